@@ -603,6 +603,8 @@ def _scalar(name: str, value: object) -> object:
 
 def _array(name: str, values: object) -> npt.NDArray[Any]:
     """Return `values` as an array; lists and other values become an array of objects."""
+    if type(values) in {float, int}:  # the usual case, many times as fast
+        return np.array(values, dtype=object)
     try:
         length = len(values)  # type: ignore[arg-type]
     except TypeError:

@@ -277,7 +277,7 @@ def label(
     question = Question(
         asked.verb, {"rotor": rotor, **subjects.given, **asked.given, "rtol": subjects.rtol}
     )
-    with open_results(study, question.design(), asked.count, FORM) as kept:
+    with open_results(study, question.design, asked.count, FORM) as kept:
 
         def prepared(stop: Stop) -> Labeller:
             labeller = labeller_of(point, subjects.rtol, stop)

@@ -23,6 +23,7 @@ from __future__ import annotations
 import math
 from bisect import bisect_left
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -67,7 +68,7 @@ MODE_RATIOS = (0.1, 1.0, 10.0)
 SAME_MODULUS = 1e-6
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class CycleSection:
     """A section of a limit cycle with a trapping set on it, which returns into itself.
 
@@ -93,7 +94,7 @@ class CycleSection:
         """Whether a set was found."""
         return bool(np.isfinite(self.form).all())
 
-    @property
+    @cached_property
     def row(self) -> Rows:
         """The section in the kernel's format; no orbit passes one whose centre is infinite.
 

@@ -49,6 +49,7 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -80,7 +81,7 @@ SLOWEST = 1e-9
 MOST_ECCENTRIC = 1e10
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class TrappingRegion:
     """An ellipsoid of states that all converge to one stable whirl in contact.
 
@@ -105,7 +106,7 @@ class TrappingRegion:
         """Whether a region was found: close to a fold, or to first touch, there may be none."""
         return bool(np.isfinite(self.form).all())
 
-    @property
+    @cached_property
     def row(self) -> Rows:
         """The region in the kernel's format."""
         if not self.exists:  # with a centre at infinity it contains nothing

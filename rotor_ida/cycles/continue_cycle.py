@@ -321,15 +321,15 @@ def followed_dataset(
     names = {"parameter": parameters[0]} if len(parameters) == 1 else {"parameters": parameters}
     question = Question(verb, {**rotor, "start": as_start(guess, parameters), **told, **names})
     ways = ways if curve.both else WAYS["forward"]
-    with open_results(study, question.design(), len(ways) * (curve.most - 1), FORM) as kept:
+    with open_results(study, question.design, len(ways) * (curve.most - 1), FORM) as kept:
         sides = follow_sides(curve, ways, kept, progress)
     attributes = {name: " ".join(np.atleast_1d(each)) for name, each in names.items()}
-    return branch_dataset(sides, parameters).assign_attrs(
-        provenance({"method": "taylor"}),
-        **told | attributes | {"limits": np.ravel(told["limits"])},
-        **start_attributes(guess),
-        **question.attribute(),
-    )
+    dataset = branch_dataset(sides, parameters)
+    dataset.attrs |= {
+        **provenance({"method": "taylor"}), **told, **attributes,
+        "limits": np.ravel(told["limits"]), **start_attributes(guess), **question.attribute(),
+    }  # fmt: skip
+    return dataset
 
 
 def follow_sides(

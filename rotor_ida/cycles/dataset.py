@@ -37,6 +37,7 @@ from rotor_ida.schema import (
     SPECIAL,
     STABILITY,
     WHIRL_DIRECTION,
+    labelled,
     labelled_dataset,
 )
 from rotor_ida.schema.quantities import SPECIAL_VALUES
@@ -151,17 +152,15 @@ def cycle_columns(cycles: Sequence[Orbit], *dim: str) -> dict[str, xr.Variable]:
 def state_columns(states: Values, dim: str, prefix: str = "") -> dict[str, xr.Variable]:
     """Return states on the rotating axes, shape (n, 4), as variables ``x y vx vy``."""
     return {
-        f"{prefix}{name}": xr.Variable(
-            dim, np.ascontiguousarray(column), QUANTITIES[f"rotating_{name}"].attributes()
-        )
+        f"{prefix}{name}": labelled(f"rotating_{name}", dim, np.ascontiguousarray(column))
         for name, column in zip(COMPONENTS, states.T, strict=True)
     }
 
 
 def of_cycle(name: str, dims: Hashable | Sequence[Hashable], values: npt.ArrayLike) -> xr.Variable:
     """Return a variable of limit cycles, with its separate label if the name has other uses."""
-    quantity = QUANTITIES[f"cycle_{name}" if f"cycle_{name}" in QUANTITIES else name]
-    return xr.Variable(dims, np.asarray(values, WHOLE.get(name)), quantity.attributes())
+    known_as = f"cycle_{name}" if f"cycle_{name}" in QUANTITIES else name
+    return labelled(known_as, dims, np.asarray(values, WHOLE.get(name)))
 
 
 # ---- One cycle ----
@@ -214,7 +213,7 @@ def _period_of_system(flow: SystemFlow, cycle: Orbit | None) -> dict[str, xr.Var
         orbits = np.stack([place.real, place.imag, velocity.real, velocity.imag])
     turns = "rotating_" if flow.period is None else ""
     columns = {
-        name: xr.Variable(("t", "node"), values, QUANTITIES[f"{turns}{name}"].attributes())
+        name: labelled(f"{turns}{name}", ("t", "node"), values)
         for name, values in zip(COMPONENTS, orbits, strict=True)
     }
     return columns | {"t": of_cycle("t", "t", times)}
@@ -414,11 +413,11 @@ def branch_dataset(sides: tuple[Side, Side], parameters: tuple[str, ...]) -> xr.
     title, kind = TITLES[len(parameters)]
     dataset = labelled_cycles(title, flow, variables, coordinates, ends, kind=kind)
     for name, value in zip(parameters, SPECIAL_VALUES, strict=False):
-        attributes = dataset[name].attrs
+        attributes = dataset.variables[name].attrs
         if is_system and name in PARAMETERS_OF_SYSTEM:
             attributes["long_name"] = PARAMETERS_OF_SYSTEM[name].meaning
         words = f"{attributes['long_name']}, at the special point"
-        dataset[value].attrs |= {**attributes, "long_name": words}
+        dataset.variables[value].attrs |= {**attributes, "long_name": words}
     return dataset
 
 

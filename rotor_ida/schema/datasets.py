@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
+from xarray.indexes import Index, PandasIndex
 
 from rotor_ida.arrays import Column
 from rotor_ida.checks import shown
@@ -63,20 +64,26 @@ def labelled_dataset(
     >>> whirls.identical(xr.Dataset(whirls.data_vars, whirls.coords, whirls.attrs))
     True
     """
-    given = {**variables, **coordinates}
-    columns = {
-        name: (column.dims, column.values) if isinstance(column, xr.Variable) else column
-        for name, column in given.items()
+    held: dict[Hashable, xr.Variable] = {
+        name: column if isinstance(column, xr.Variable) else labelled(name, *column)
+        for name, column in {**variables, **coordinates}.items()
     }
-    told = {"Conventions": CONVENTIONS, "title": title, **(attributes or {})}
+    indexes: dict[Hashable, Index] = {
+        name: PandasIndex(variable.values, name, variable.dtype)
+        for name, variable in held.items()
+        if variable.dims == (name,)
+    }
+    for index in indexes.values():
+        held |= index.create_variables(held)
+    # all as coordinates at first: the constructor of a dataset would align and compare variables
+    dataset = (
+        xr.Coordinates(held, indexes)
+        .to_dataset()
+        .reset_coords([name for name in variables if name not in indexes])
+    )
+    dataset.attrs = {"Conventions": CONVENTIONS, "title": title, **(attributes or {})}
     if kind:
-        told[RESULT_KIND] = kind
-    plain = {name: columns.pop(name) for name in variables}
-    dataset = xr.Dataset(plain, columns, told)
-    for name, column in given.items():  # only now, as xarray would copy each with them twice
-        dataset.variables[name].attrs = (
-            column.attrs if isinstance(column, xr.Variable) else QUANTITIES[name].attributes()
-        )
+        dataset.attrs[RESULT_KIND] = kind
     return dataset
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.arrays import Values
+from rotor_ida.arrays import Values, filled
 from rotor_ida.checks import check_instance
 from rotor_ida.core.runs import Rows
 from rotor_ida.errors import InputError
@@ -59,7 +59,7 @@ def contact_columns(orbit: Orbit) -> Columns:
         columns["rolling_time"] = rolling_times(orbit)
     found = _table_of(contacts, "contact", columns)
     if rotor.delta0 > 0.0:  # one that begins at the very end has no impulse yet
-        found["impulse"] = ("contact", np.nan_to_num(contacts["impulse"]))
+        found["impulse"] = ("contact", filled(contacts["impulse"], 0.0))
     return found
 
 
@@ -217,8 +217,8 @@ def _whirl_direction(orbit: Orbit, entry_speed: Values) -> npt.NDArray[np.int8]:
     fastest = np.abs(orbit.states[:, 2:]).max(initial=1.0)
     radius = orbit.rotor.delta0 + contacts["peak_root"] ** 2
     around = np.abs(moment) / np.where(radius > 0.0, radius, 1.0)
-    began = np.nan_to_num(contacts["entry"], nan=0.0)
-    swept = around * (np.nan_to_num(contacts["exit"], nan=orbit.duration) - began)
+    began = filled(contacts["entry"], 0.0)
+    swept = around * (filled(contacts["exit"], orbit.duration) - began)
     straight = (around < STRAIGHT * entry_speed) & (swept < STRAIGHT * radius)
     whirls = (np.abs(moment) > NO_WHIRL * radius * fastest) & ~straight
     turning = np.where(whirls, np.sign(moment), 0.0)
@@ -227,8 +227,8 @@ def _whirl_direction(orbit: Orbit, entry_speed: Values) -> npt.NDArray[np.int8]:
 
 def rolling_times(orbit: Orbit) -> Values:
     """Return for how long the disc rolls in each contact [dimensionless]."""
-    began = np.nan_to_num(orbit.contacts["entry"], nan=0.0)
-    ended = np.nan_to_num(orbit.contacts["exit"], nan=orbit.duration)
+    began = filled(orbit.contacts["entry"], 0.0)
+    ended = filled(orbit.contacts["exit"], orbit.duration)
     rolled = np.zeros(began.size)
     for start, end in stretches_of_rolling(orbit).tolist():
         rolled += np.maximum(np.minimum(end, ended) - np.maximum(start, began), 0.0)

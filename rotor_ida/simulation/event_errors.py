@@ -29,7 +29,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.arrays import ROUNDING, Stop, Values, Watch
+from rotor_ida.arrays import ROUNDING, Stop, Values, Watch, filled
 from rotor_ida.checks import State
 from rotor_ida.core.library import why_missing
 from rotor_ida.core.system_requests import SystemEvents, SystemRequest, SystemResult
@@ -106,7 +106,7 @@ def partners_of(
     """
     own, other = _events(times, kinds), _events(other_times, other_kinds)
     partners, mine, theirs = np.full(times.size, -1, np.intp), 0, 0
-    while True:
+    while mine < times.size:
         count = _count_same(own[:, mine:], other[:, theirs:])
         partners[mine : mine + count] = np.arange(theirs, theirs + count)
         mine, theirs = mine + count, theirs + count
@@ -115,7 +115,8 @@ def partners_of(
         elif skips and _count_same(own[:, mine:], other[:, theirs + 2 :]):
             theirs += 2
         else:
-            return partners
+            break
+    return partners
 
 
 def _events(times: Values, kinds: Kinds) -> Values:
@@ -196,13 +197,16 @@ class _Apart(NamedTuple):
         on_edge, turning = np.abs(self.kinds) == ENTRY, self.speed / self.radius
         by_place = np.where(on_edge, 1.0, turning)
         by_velocity = np.where(on_edge, self.lever, 1.0)
-        differs = by_place * self.displaced + by_velocity * self.faster
+        differs = np.asarray(by_place * self.displaced + by_velocity * self.faster)
+        slips = self.kinds == SLIP
+        if not slips.any():
+            return differs
         root = np.sqrt(self.depth)
         resistance = self.law.contact_damping * spring_of_root(root, self.law)
         stiffness = slope_of_root(root, self.law) + resistance * turning
         pressed = stiffness * self.displaced + resistance * self.faster
         gripped = self.law.friction * pressed + self.held
-        return np.asarray(np.where(self.kinds == SLIP, gripped, differs))
+        return np.where(slips, gripped, differs)
 
 
 def _errors(late: Values, apart: _Apart, rates: Values, widening: float) -> Values:
@@ -211,7 +215,7 @@ def _errors(late: Values, apart: _Apart, rates: Values, widening: float) -> Valu
     It is infinite where the other run has no such event.
     """
     with np.errstate(divide="ignore", invalid="ignore"):  # 0/0 where the states agree
-        by_states = np.nan_to_num(apart.guards() / rates, nan=0.0, posinf=np.inf)
+        by_states = filled(apart.guards() / rates, 0.0)
     return _remembered(np.maximum(widening * np.abs(late), FELT * by_states))
 
 
@@ -257,7 +261,7 @@ def errors_of_system(
         if not here.size:
             continue
         apart = _apart_in_system(request, result, other, number, here, partners, times)
-        rates = np.append(np.nan_to_num(other.event_rates, nan=np.inf), np.inf)[partners]
+        rates = np.append(filled(other.event_rates, np.inf), np.inf)[partners]
         errors[here] = _errors(late, apart, rates, WIDENING)
         errors[here] += _rounded(result.event_times[here])
     # one event may bring others about, which then have its time
@@ -393,8 +397,9 @@ def estimate_event_errors(
     """
     rotor, options, scale = orbit.rotor, orbit.options, APART
     widening, of_rounding = 1.0, 1.0
-    is_short = _fastest(orbit) * orbit.duration <= LONG
-    if options.method == "taylor" or (is_short and not why_missing()):
+    if options.method == "taylor" or (
+        not why_missing() and _fastest(orbit) * orbit.duration <= LONG
+    ):
         rtol = min(options.rtol, LOOSEST_RTOL_OF_TAYLOR)
         options, scale = Options(rtol=rtol, atol=options.atol, method="taylor"), 1.0 / APART
         widening, of_rounding = WIDENING, OF_ROUNDING
@@ -456,7 +461,7 @@ def _apart_of_disc(orbit: Orbit, other: Orbit, late: Values, partners: Numbers) 
     displaced, faster = np.hypot(*apart[:, :2].T), np.hypot(*apart[:, 2:].T)
     rim = (rotor.disc_radius or 0.0) * orbit.event_speeds
     drive = orbit.event_speeds**2 + rotor.load + rim * speed / radius
-    since = np.diff(orbit.event_times, prepend=0.0)
+    since = np.ediff1d(orbit.event_times, to_begin=orbit.event_times[:1])
     is_hertz = float(rotor.contact_exponent == HERTZ_EXPONENT)
     return _Apart(
         orbit.event_kinds, radius, speed, displaced, faster,
@@ -563,10 +568,12 @@ def _drift(orbit: Orbit) -> Values:
     x, y, vx, vy = orbit.event_states.T
     rotor, angle = orbit.rotor, orbit.event_angles
     machine = with_values(rotor, omega=orbit.event_speeds)
-    cos, sin, none = np.cos(angle), np.sin(angle), np.zeros_like(x)
+    cos, sin = np.cos(angle), np.sin(angle)
     at = Moment((x, y), (vx, vy), (x, y), (cos, sin), (0.0, -1.0))
-    spin_up, _ = _quickening(orbit, none, none)
-    faster = np.array(accelerations(at, 0.0, machine)) + spin_up * np.array([sin, -cos])
+    faster = np.array(accelerations(at, 0.0, machine))
+    if orbit.speed_record is not None:
+        none = np.zeros_like(x)
+        faster += _quickening(orbit, none, none)[0] * np.array([sin, -cos])
     if rotor.friction > 0.0:
         faster = np.where(np.isin(orbit.event_kinds, OF_FRICTION), 0.0, faster)
     return np.array([vx, vy, *faster]).T

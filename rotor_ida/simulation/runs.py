@@ -36,7 +36,7 @@ from rotor_ida.simulation.course import MOST_RADIANS, Course
 from rotor_ida.simulation.dataset import fastest_whirl, run_dataset, system_dataset
 from rotor_ida.simulation.event_errors import APART, EventErrors, estimate_event_errors, shifts_of
 from rotor_ida.simulation.invariants import check_system_orbit
-from rotor_ida.simulation.options import Backend, Options, backend_of
+from rotor_ida.simulation.options import Backend, Options, backend_of, passes_soon
 from rotor_ida.simulation.orbit import Orbit
 from rotor_ida.simulation.run import run, witness
 from rotor_ida.simulation.starts import Start, start_of_system
@@ -53,8 +53,6 @@ from rotor_ida.simulation.system_run import (
 # An event this many tolerances after the end of a run counts as part of the run.
 END_SLACK = 100.0
 MOST_SLACK = 1e-8
-# Samples plus radians of spin, decay and contact that Taylor series cover in about 20 ms.
-SOON_PASSED = 1e4
 
 SystemMethod = Literal["taylor", "adams", "bdf"]
 METHODS = ("taylor", "adams", "bdf")
@@ -102,12 +100,10 @@ def run_of_disc(
         orbit = follow(at, stop, watch)
         return orbit, estimate_event_errors(orbit, start, slack=slack, stop=stop, watch=watch)
 
-    # a thread costs 0.2 ms, half as much as a short run: Ctrl-C may wait until a short run ends
-    rate = 1.0 + rotor.omega + rotor.zeta + max(map(abs, start))
-    soon = rate * end + times.size <= SOON_PASSED
+    is_compiled = options.backend == "compiled" and profile is None
     orbit, errors = run_with_progress(
         run_twice, 2.0 * end, progress,
-        at_once=soon and profile is None and options.method == "taylor",
+        at_once=is_compiled and passes_soon(rotor, start, end, options.method, times.size),
     )  # fmt: skip
     return run_dataset(orbit, start, errors, course.told if profile else {})
 

@@ -45,7 +45,7 @@ from rotor_ida.simulation.crossings import (
     crossings_of,
 )
 from rotor_ida.simulation.flow import DiscFlow, Flow
-from rotor_ida.simulation.options import Method, Options, check_can_be_followed
+from rotor_ida.simulation.options import Method, Options, check_can_be_followed, passes_soon
 from rotor_ida.simulation.runs import LOOSEST_RTOL, TIGHTEST_RTOL
 from rotor_ida.simulation.simulate import DEFAULTS
 from rotor_ida.simulation.starts import Start, begun_in_modes, start_of, start_of_system
@@ -196,7 +196,10 @@ def poincare_section(
 
     runs = RUNS_TO_PEAKS if at == "peak" and isinstance(flow, SystemFlow) else 1
     told = percentage(progress, watch, lead + runs * count * flow.revolution)
-    found = interruptible(follow, told=told)
+    soon = isinstance(flow, DiscFlow) and passes_soon(
+        flow.rotor, asked.state, lead + count * flow.revolution, flow.options.method
+    )
+    found = interruptible(follow, told=told, at_once=soon)
     if progress is not None:
         progress(100, 100)
     return _dataset(flow, found._replace(times=lead + found.times), asked.attributes)

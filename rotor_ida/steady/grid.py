@@ -316,7 +316,7 @@ def run_study(
     """
     answers = plan.answers
     form = form_of(word, answers.kind, answers.event)
-    with open_results(study, question.design(), plan.points, form) as kept:
+    with open_results(study, question.design, plan.points, form) as kept:
         run_due(
             follow or follow_along, plan.job, plan.slowest_first().tolist(), kept,
             partial(_keep, plan, kept), workers=workers, progress=progress, total=plan.points,

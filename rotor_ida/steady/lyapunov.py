@@ -47,7 +47,7 @@ from rotor_ida.simulation.lyapunov import (
     means_of_rates,
     stretches_of,
 )
-from rotor_ida.simulation.options import check_can_be_followed, check_rtol
+from rotor_ida.simulation.options import check_can_be_followed, check_rtol, passes_soon
 from rotor_ida.simulation.starts import Start, given_start, start_of
 from rotor_ida.simulation.system_flow import SystemFlow
 from rotor_ida.steady.grid import answers_at_each
@@ -427,7 +427,10 @@ def _of_one(case: Case, progress: Progress | None) -> Exponents:
         progress(len(run.done or ()), total)
 
     told = progress and partial(tell, progress)
-    found = interruptible(lambda stop: exponents_at(run, point, stop), told=told)
+    soon = isinstance(point, Rotor) and passes_soon(
+        point, start_of(point, run.start), run.total * run.span, run.method
+    )
+    found = interruptible(lambda stop: exponents_at(run, point, stop), told=told, at_once=soon)
     if progress is not None:
         progress(total, total)
     return found

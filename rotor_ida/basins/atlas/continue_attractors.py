@@ -195,7 +195,7 @@ def _filled(
 ) -> tuple[list[Cell], str]:  # fmt: skip
     """Return the cell of each rotor, and why one failed, or nothing."""
     count, cells = len(jobs), [Cell(each.rotor, not_computed=each.states.shape[1]) for each in jobs]
-    with open_results(study, question.design(), count, form_of(jobs[0].rotor)) as kept:
+    with open_results(study, question.design, count, form_of(jobs[0].rotor)) as kept:
         run_due(
             fill_cell, jobs.__getitem__, range(count), kept, partial(keep_whole, kept, lambda _: 1),
             workers=workers, progress=progress, total=count,

@@ -104,13 +104,16 @@ class Results(Generic[Result]):
 @contextmanager
 def open_results(
     folder: Folder | None,
-    design: Mapping[str, Any],
+    design: Callable[[], Mapping[str, Any]],
     points: int,
     form: Form[Result],
 ) -> Iterator[Results[Result]]:
-    """Collect results in the study in `folder`, as in `opened`, or in memory if it is None."""
+    """Collect results in the study in `folder`, as in `opened`, or in memory if it is None.
+
+    Only a study has a design.
+    """
     if folder is None:
         yield Results()
         return
-    with opened(folder, design, points) as study:
+    with opened(folder, design(), points) as study:
         yield Results(study, form)

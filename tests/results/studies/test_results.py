@@ -40,7 +40,7 @@ def test_a_piece_of_another_kind_is_damage_to_the_study(tmp_path):
     with opened(tmp_path, {"verb": "sweep"}, 1) as study:
         study.keep(Piece(0, 1, 0, "", packed({"first": np.array(0)})))
     with (
-        open_results(tmp_path, {"verb": "sweep"}, 1, FORMS["points of a sweep"]) as kept,
+        open_results(tmp_path, lambda: {"verb": "sweep"}, 1, FORMS["points of a sweep"]) as kept,
         pytest.raises(ArchiveError, match=r"damaged: pieces/0: it contains no points of a"),
     ):
         list(kept.results())
