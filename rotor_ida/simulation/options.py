@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
@@ -36,7 +37,7 @@ SLOW_INSTEAD = (
     "computes runs by CVODE, 10 to 100 times more slowly"
 )
 
-# Radians of spin, decay and contact that Taylor series cover in 5 to 25 ms. CVODE takes about ten
+# Radians of spin, decay, shaft and contact that Taylor series cover in 5 to 25 ms. CVODE takes about ten
 # times as long, and a sample less than a radian.
 SOON_PASSED, OF_CVODE = 2e4, 10.0
 
@@ -208,7 +209,8 @@ def passes_soon(
     >>> [passes_soon(disc, rest, 5e3, each) for each in ("taylor", "adams")]
     [True, False]
     """
-    radians = (1.0 + rotor.omega + rotor.zeta + max(map(abs, start))) * duration
+    pulled = rotor.load + math.sqrt(rotor.shaft_stiffness)
+    radians = (1.0 + rotor.omega + rotor.zeta + pulled + max(map(abs, start))) * duration
     return (radians if method == "taylor" else OF_CVODE * radians) + samples <= SOON_PASSED
 
 
