@@ -37,8 +37,8 @@ SLOW_INSTEAD = (
     "computes runs by CVODE, 10 to 100 times more slowly"
 )
 
-# Radians of spin, decay, shaft and contact that Taylor series cover in 5 to 25 ms. CVODE takes about ten
-# times as long, and a sample less than a radian.
+# Radians of spin, decay, shaft and contact that Taylor series cover in 5 to 25 ms. CVODE takes about
+# ten times as long, and a sample less than a radian.
 SOON_PASSED, OF_CVODE = 2e4, 10.0
 
 # For larger starts the tolerances lose their meaning.
