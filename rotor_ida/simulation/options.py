@@ -37,7 +37,7 @@ SLOW_INSTEAD = (
     "computes runs by CVODE, 10 to 100 times more slowly"
 )
 
-# Radians of spin, decay, shaft and contact that Taylor series cover in 5 to 25 ms. CVODE takes about
+# Radians of spin, decay, shaft and contact that Taylor series cover in 5 to 25 ms. CVODE takes some
 # ten times as long, and a sample less than a radian.
 SOON_PASSED, OF_CVODE = 2e4, 10.0
 
