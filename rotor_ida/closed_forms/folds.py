@@ -1,10 +1,10 @@
 """Folds, at which a synchronous whirl vanishes, the whirls to jump to there, and the cusp.
 
 A list of folds is complete: they are the roots of a polynomial, isolated in exact arithmetic
-(`exact_folds`). However near two of them are, neither is missed, and two that coincide are listed
-once. The cusp is the largest damping that a dense search along a locus finds: see `cusps`. Folds of
-rotor systems are those met as the branches of `rotor_ida.closed_forms.whirls.special_speeds` are
-followed.
+(`exact_folds` and `_crossings` in `curve_polynomials`). However near two of them are, neither is
+missed, and two that coincide are listed once. The cusp is the largest damping that a dense search
+along a locus finds: see `cusps`. Folds of rotor systems are those met as the branches of
+`rotor_ida.closed_forms.whirls.special_speeds` are followed.
 """
 
 from __future__ import annotations

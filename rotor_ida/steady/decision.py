@@ -5,7 +5,7 @@
 1. Of one disc: do closed forms show where it stays (at rest, just reaching the stator, whirling
    steadily, free of the stator for good)?
 2. Has it reached a stable cycle? It repeats itself, and the multiplier by which neighbours return
-   most slowly says how far away the cycle still is (`_Approach.period`). Which kind of cycle it is
+   most slowly says how far away the cycle still is (`_Approach.measure`). Which kind of cycle it is
    follows from the window (`_kind_of_cycle`): rolling, bouncing, free, synchronous, full contact.
 3. Do its touches fade?
 4. Late, if nothing shows that it settles: does it roll backwards? If not, its Lyapunov exponents
@@ -134,8 +134,9 @@ def decide(motion: Motion) -> Decision:
     Without damping one window decides, as nothing settles: most such motions are unresolved.
 
     The first window begins after a first wait, each other when the time has doubled, and none after
-    the longest time: see `Limits`. One disc that approaches a stable cycle by then is followed on,
-    twice at most, until it is there: for up to `MOST_LONGEST` times the longest time.
+    the longest time: see `rotor_ida.steady.motion.Limits`. One disc that approaches a stable cycle
+    by then is followed on, twice at most, until it is there: for up to `MOST_LONGEST` times the
+    longest time.
 
     A motion may sit on an unstable whirl or cycle: it whirls steadily, or repeats itself, and
     still has come to no stable cycle. If small changes of it grow (`Motion.leave_unstable`), it is

@@ -1,10 +1,11 @@
 """What is in an archive: which names, types and attributes a dataset may have, and gets for CF.
 
 `archived_form` checks a dataset and adds the attributes of the content; `writing` adds date,
-history and checksum. Which variables a result has is in `rotor_ida.results.dataset_kinds`. How the
-file is protected, by a checksum of the content and a seal of all bytes, is in `checksum`; `writing`
-makes it whole or not at all, and `reading` refuses what is damaged, altered or too large.
-`rotor_ida.formats.hdf5` looks for links and parts in other files.
+history and checksum; docs/archive.md lists them all. Which variables a result has is in
+`rotor_ida.results.dataset_kinds`. How the file is protected, by a checksum of the content and a
+seal of all bytes, is in `checksum`; `writing` makes it whole or not at all, and `reading` refuses
+what is damaged, altered or too large. `rotor_ida.formats.hdf5` looks for links and parts in other
+files.
 
 Readers of netCDF that know the CF conventions but not this package see the same variables;
 `stored_names` and `coordinates_of` return their names and attributes.
