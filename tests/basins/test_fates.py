@@ -110,7 +110,7 @@ def test_two_cycles_of_one_rotor_stay_apart():
 
 
 def test_chaos_that_lasts_says_so():
-    found = basin_fractions(Rotor(omega=1.69, zeta=0.07, delta0=2.0), **BOX, starts=32)
+    found = basin_fractions(Rotor(omega=1.69, zeta=0.07, delta0=2.0), **BOX, starts=16)
     chaos = found.isel(attractor=int(np.flatnonzero(found.kind == RESPONSE["chaotic"])[0]))
     assert float(chaos.fraction) > 0.2
     assert math.isinf(float(chaos.lifetime))
@@ -130,8 +130,8 @@ def test_chaos_that_is_a_transient_says_how_long_it_lasts():
 
 NARROW = {
     "beside a doubling": (Rotor(omega=1.8036, zeta=0.07, delta0=2.0), 12),
-    "weak chaos": (Rotor(omega=1.69, zeta=0.07, delta0=2.0), 12),
-    "chaos that is left": (Rotor(omega=1.5, zeta=0.01, delta0=2.0), 24),
+    "weak chaos": (Rotor(omega=1.69, zeta=0.07, delta0=2.0), 6),
+    "chaos that is left": (Rotor(omega=1.5, zeta=0.01, delta0=2.0), 12),
 }
 
 
