@@ -110,7 +110,7 @@ def test_two_cycles_of_one_rotor_stay_apart():
 
 
 def test_chaos_that_lasts_says_so():
-    found = basin_fractions(Rotor(omega=1.69, zeta=0.07, delta0=2.0), **BOX, starts=16)
+    found = basin_fractions(Rotor(omega=1.69, zeta=0.07, delta0=2.0), **BOX, starts=32)
     chaos = found.isel(attractor=int(np.flatnonzero(found.kind == RESPONSE["chaotic"])[0]))
     assert float(chaos.fraction) > 0.2
     assert math.isinf(float(chaos.lifetime))

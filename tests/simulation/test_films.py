@@ -56,7 +56,7 @@ def test_few_modes_hold_films_as_all_do(system):
     [
         (sweep, {}, ("radius_max", "node_radius_max")),
         (limit_cycle, {"start": "settled"}, ("radius_max", "multiplier_real")),
-        (lyapunov_exponent, {"revolutions": 20, "batches": 4, "transient": 1, "exponents": 1},
+        (lyapunov_exponent, {"revolutions": 80, "batches": 4, "transient": 1, "exponents": 1},
          ("lyapunov_exponent",)),
         (poincare_section, {"revolutions": 5}, ("rotating_x", "rotating_y")),
         (bifurcation_diagram, {"revolutions": 5}, ("extremum_radius",)),
