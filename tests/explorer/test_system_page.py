@@ -9,6 +9,7 @@ import numpy as np
 
 from rotor_ida import load_course, load_system, run_up, save, simulate, sweep
 from tests.explorer.browser import (
+    FITS,
     Page,
     copied,
     downloaded,
@@ -125,7 +126,7 @@ def check_drawn_and_played(page):
     assert all(page.pictures())
     for width in (390, 1400):
         with sized(page.driver, width):
-            assert page.run("return document.documentElement.scrollWidth") <= width
+            page.until(FITS, width)
     before = page.pictures()
     page.run("document.querySelector('[data-play]').click()")
     page.until("document.querySelector('[data-time]').valueAsNumber > 0.01")
@@ -211,7 +212,7 @@ def check_alone(page, path):
 def shows(page, width):
     """Return the panels that are seen in a window of a width, in which nothing is cut off."""
     with sized(page.driver, width):
-        assert page.run("return document.documentElement.scrollWidth") <= width
+        page.until(FITS, width)
         return set(page.run(SHOWN))
 
 
