@@ -145,13 +145,6 @@ OF_RUN_UP = {"bode", "cascade", "response", "campbell", "orbit", "turning", "his
              "sketch", "shape"}  # fmt: skip
 
 
-SHOWN = """
-return [...document.querySelectorAll('[data-panel]')].filter((each) => each.offsetParent)
-  .map((each) => each.dataset.panel)"""
-OF_RUN_UP = {"bode", "cascade", "response", "campbell", "orbit", "turning", "history", "archive",
-             "sketch", "shape"}  # fmt: skip
-
-
 def check_bad_file_refused(page):
     said = drop_all(page, {"bad.toml": b"speed = 3"})
     assert said.startswith("bad.toml is not shown: ")
