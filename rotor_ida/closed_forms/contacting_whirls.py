@@ -347,12 +347,14 @@ def bracketed_newton(
             | (target >= high[active])
             | (2.0 * np.abs(step) > np.abs(step_before[active]))
         )
-        bisect &= np.abs(step) > _ENOUGH * np.abs(point)
+        # a last step: two neighbours may lead to each other for ever
+        is_last = np.abs(step) <= _ENOUGH * np.abs(point)
+        bisect &= ~is_last
         middle = 0.5 * (low[active] + high[active])
         target = np.where(value == 0.0, point, np.where(bisect, middle, target))
         root[active] = target
         step_before[active] = target - point
-        active = active[np.abs(target - point) > _ENOUGH * np.abs(target)]
+        active = active[~is_last & (np.abs(target - point) > _ENOUGH * np.abs(target))]
     return root
 
 
