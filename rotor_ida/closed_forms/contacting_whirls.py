@@ -348,7 +348,7 @@ def bracketed_newton(
             | (target >= high[active])
             | (2.0 * np.abs(step) > np.abs(step_before[active]))
         )
-        # a last step: then rounding leads to and fro, or back to the far end of the bracket
+        # a last step: then rounding leads on and on, or back to the far end of the bracket
         is_last = np.abs(step) <= _LAST * np.abs(point)
         bisect &= ~is_last
         middle = 0.5 * (low[active] + high[active])
