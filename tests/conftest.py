@@ -21,7 +21,8 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 # What takes long comes first, so that all workers end together; a worker takes over the last tests
 # of another, which here are short, and not those that share a browser or a cluster.
 LONG = (
-    "explorer/test_page.py", "explorer/test_panels.py", "explorer/test_system_page.py",
+    "explorer/test_page.py", "explorer/test_page_run_ups.py", "explorer/test_page_sheet.py",
+    "explorer/test_panels.py", "explorer/test_system_page.py",
     "explorer/test_queues.py", "explorer/test_command.py", "parallel/test_cluster.py",
     "core/test_sanitized.py", "core/test_build.py", "paper/test_scenarios.py", "cli/test_help.py",
 )  # fmt: skip

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -48,9 +49,18 @@ class Disc:
         """Return a parameter; mass, eccentricity and stiffness without dimensions are 1."""
         return getattr(self.rotor, name, otherwise) or 0.0
 
-    @property
+    @cached_property
     def clearance(self):
         return self.get("clearance", getattr(self.rotor, "delta0", 0.0))
+
+    @cached_property
+    def plain(self):
+        """Mass, disc radius, offset of the centre of mass, damping: asked for at every step."""
+        damping = getattr(self.rotor, "damping", None)
+        return (
+            self.get("mass"), self.get("disc_radius"), self.unbalance * self.get("eccentricity"),
+            2.0 * self.rotor.zeta if damping is None else damping,
+        )  # fmt: skip
 
     def polar(self, state):
         """Return radius, direction (x, y), radial and tangential velocity."""
@@ -65,10 +75,15 @@ class Disc:
 
     def normal(self, state):
         """Return the normal force, which may pull where a step looks beyond a release."""
-        depth = self.polar(state)[0] - self.clearance
+        radius, _, rise, _ = self.polar(state)
+        return self.pushed(radius, rise)
+
+    def pushed(self, radius, rise):
+        """Return the normal force at a radius and a radial velocity."""
+        depth = radius - self.clearance
         sign = 1.0 if depth.real > 0.0 else -1.0
         power = sign * (sign * depth) ** self.rotor.contact_exponent
-        return self.get("contact_stiffness") * power * self.factor(state)
+        return self.get("contact_stiffness") * power * (1.0 + self.rotor.contact_damping * rise)
 
     def slip(self, state):
         """Return the speed of the rim on the ring."""
@@ -84,14 +99,11 @@ class Disc:
 
     def solved(self, state, mode):
         """Return ``x'' y'' theta'' T``: both accelerations are linear in the last two."""
-        rotor, rho, mass = self.rotor, self.get("disc_radius"), self.get("mass")
-        e = self.unbalance * self.get("eccentricity")
+        rotor, (mass, rho, e, damping) = self.rotor, self.plain
         x, y, vx, vy, angle, speed = state[:6]
-        damping = getattr(rotor, "damping", None)
-        damping = 2.0 * rotor.zeta if damping is None else damping
         radius, (ox, oy), rise, around = self.polar(state)
         c, s = math.cos(angle.real), math.sin(angle.real)
-        normal = self.normal(state) if mode in (FORWARDS, BACKWARDS, ROLLS) else 0.0
+        normal = self.pushed(radius, rise) if mode in (FORWARDS, BACKWARDS, ROLLS) else 0.0
         fx = -damping * vx - rotor.shaft_stiffness * x - normal * ox
         fy = -damping * vy - rotor.shaft_stiffness * y - normal * oy
         ax, ay = fx / mass + e * speed**2 * c, (fy - rotor.load) / mass + e * speed**2 * s
@@ -113,14 +125,21 @@ class Disc:
 
     def rates(self, state, mode):
         """Return the rate of change, and that of differences if the state has some behind it."""
-        _, _, vx, vy, _, speed = first = self.exactly(state[:6].tolist(), mode)
-        ax, ay, faster, _ = self.solved(first, mode)
-        here = np.array([vx, vy, ax, ay, speed, faster])
+        first = state[:6].tolist()
+        here = self.derivative(first, mode)
         if len(state) == 6:
-            return here
-        steps = state[:6] + STEP * 1j * np.eye(4, 6)
-        slopes = np.array([self.rates(each, mode)[:4] for each in steps]).imag.T / STEP
+            return np.array(here)
+        slopes = np.empty((4, 4))
+        for place in range(4):
+            beside = [each + STEP * 1j * (at == place) for at, each in enumerate(first)]
+            slopes[:, place] = [each.imag / STEP for each in self.derivative(beside, mode)[:4]]
         return np.concatenate([here, (slopes @ state[6:].reshape(4, 4)).ravel()])
+
+    def derivative(self, state, mode):
+        """Return the rate of change of six numbers, which may be complex."""
+        _, _, vx, vy, _, speed = first = self.exactly(state, mode)
+        ax, ay, faster, _ = self.solved(first, mode)
+        return [vx, vy, ax, ay, speed, faster]
 
     def turning(self, state, mode=FORWARDS):
         """Return the rates of ``(x, y, vx, vy, theta')`` on axes that turn with the unbalance."""

@@ -38,7 +38,8 @@ Evaluate = Callable[[Values, Rows], tuple[Values, Values]]
 # Brent's method may need three times as many as bisection: a root may be 1e-300 of its bracket.
 _MOST_STEPS_OF_BRENT = 4000
 _MOST_ITERATIONS = 300  # bisection alone needs about 60 in u, and 1100 only from subnormals
-_ENOUGH = 2.0**-52
+# Relative change with which a root is found; and a step so short that where it leads is one.
+_ENOUGH, _LAST = 2.0**-52, 2.0**-50
 
 
 @dataclass(frozen=True, slots=True)
@@ -347,12 +348,14 @@ def bracketed_newton(
             | (target >= high[active])
             | (2.0 * np.abs(step) > np.abs(step_before[active]))
         )
-        bisect &= np.abs(step) > _ENOUGH * np.abs(point)
+        # a last step: then rounding leads on and on, or back to the far end of the bracket
+        is_last = np.abs(step) <= _LAST * np.abs(point)
+        bisect &= ~is_last
         middle = 0.5 * (low[active] + high[active])
         target = np.where(value == 0.0, point, np.where(bisect, middle, target))
         root[active] = target
         step_before[active] = target - point
-        active = active[np.abs(target - point) > _ENOUGH * np.abs(target)]
+        active = active[~is_last & (np.abs(target - point) > _ENOUGH * np.abs(target))]
     return root
 
 

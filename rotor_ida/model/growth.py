@@ -6,7 +6,6 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq
 
 from rotor_ida.arrays import ComplexValues, Values
 from rotor_ida.model.assembly import Canonical
@@ -83,6 +82,8 @@ def growth_between(found: Canonical, low: float, high: float) -> list[tuple[floa
 
     Ranges, and gaps between them, that lie between neighbours of `POINTS` speeds are not seen.
     """
+    if _only_loses(found):
+        return []
     knots = found.films.knots
     inside = knots[(knots > low) & (knots < high)]
     speeds = np.unique(np.concatenate([np.linspace(low, high, POINTS), inside])).tolist()
@@ -93,6 +94,20 @@ def growth_between(found: Canonical, low: float, high: float) -> list[tuple[floa
             ends.append(_end_between(found, below, above, grows))
     ends += [high] if len(ends) % 2 else []
     return list(zip(ends[::2], ends[1::2], strict=True))
+
+
+def _only_loses(found: Canonical) -> bool:
+    """Return whether springs and dampers give the motion no energy at any speed, to rounding.
+
+    Of symmetric matrices without negative eigenvalues they do not; gyroscopic moments do no work.
+    """
+    if found.films:
+        return False
+    return all(
+        np.abs(each - each.T).max() <= ROUNDING * np.linalg.norm(each)
+        and np.linalg.eigvalsh(each)[0] >= -ROUNDING * np.linalg.norm(each)
+        for each in (found.stiffness, found.damping) if each is not None
+    )  # fmt: skip
 
 
 def _end_between(found: Canonical, low: float, high: float, grows: bool) -> float:
@@ -108,6 +123,8 @@ def _end_between(found: Canonical, low: float, high: float, grows: bool) -> floa
 
     lower, higher = sorted((growth(low), growth(high)))
     if lower < -1.0 and higher > 1.0:
+        from scipy.optimize import brentq  # noqa: PLC0415 - takes long to import
+
         return float(brentq(growth, low, high, xtol=1e-14 * max(abs(low), abs(high))))
     near = PLACED * max(abs(low), abs(high))
     while high - low > near and low < (middle := 0.5 * (low + high)) < high:

@@ -192,10 +192,10 @@ def differences(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
         left_out |= dict.fromkeys(missing_in(again, archived), NOT_BY_METHOD)
         tolerance = max(tolerance, TOLERANCE_OF_OTHERS)
     more, others = verification.also(again), verification.also(archived)
+    both = (again.assign(more), archived.assign(others)) if more or others else (again, archived)
     found = compare_variables(
-        again.assign(more), archived.assign(others), left_out=left_out, tolerance=tolerance,
-        told=verification.told(archived),
-    )  # fmt: skip
+        *both, left_out=left_out, tolerance=tolerance, told=verification.told(archived)
+    )
     compare_attributes(found, in_units_of(again, in_units), in_units, tolerance, by_other=by_other)
     is_result = any(name in archived.data_vars for name in found.compared)
     trouble = found.trouble or ("" if is_result else "no variable was compared")

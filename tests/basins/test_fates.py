@@ -130,8 +130,8 @@ def test_chaos_that_is_a_transient_says_how_long_it_lasts():
 
 NARROW = {
     "beside a doubling": (Rotor(omega=1.8036, zeta=0.07, delta0=2.0), 12),
-    "weak chaos": (Rotor(omega=1.69, zeta=0.07, delta0=2.0), 12),
-    "chaos that is left": (Rotor(omega=1.5, zeta=0.01, delta0=2.0), 24),
+    "weak chaos": (Rotor(omega=1.69, zeta=0.07, delta0=2.0), 6),
+    "chaos that is left": (Rotor(omega=1.5, zeta=0.01, delta0=2.0), 12),
 }
 
 

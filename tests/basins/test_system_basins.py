@@ -193,15 +193,15 @@ def test_motions_that_differ_are_not_taken_for_one():
 def test_fractions_lie_within_their_errors_of_those_of_the_disc():
     """Other random starts, by the other kernel."""
     rotor, box = ONE_DISC["touches that fade"][0], {"x": (-4, 4), "y": (-4, 4)}
-    one = basin_fractions(rotor, **box, starts=4000, seed=1)
-    many = basin_fractions(rotor.system(), speed=2.0, node="disc", **box, starts=60, seed=2)
+    one = basin_fractions(rotor, **box, starts=2000, seed=1)
+    many = basin_fractions(rotor.system(), speed=2.0, node="disc", **box, starts=40, seed=2)
     bounces = one.response.values == 3
     share, error = (float(one[name].values[bounces].item())
                     for name in ("response_fraction", "response_fraction_error"))  # fmt: skip
     seen = many.sel(response=3)
     apart = abs(float(seen.response_fraction) - share)
     assert apart < 3.0 * math.hypot(float(seen.response_fraction_error), error)
-    n, p = 60, many.fraction.values
+    n, p = 40, many.fraction.values
     np.testing.assert_allclose(many.fraction_error, np.sqrt(p * (1.0 - p) / n), rtol=1e-12)
     assert many["count"].sum() == n - int(many.undecided_count)
     assert many.attrs["range_x"].tolist() == [-4.0, 4.0]

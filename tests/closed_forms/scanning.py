@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 
-def scanned(rotor, condition, nodes=30_000):
+def scanned(rotor, condition, nodes=10_000):
     """Amplitudes at which a condition changes sign along either flank, by roots of the quartic.
 
     The speeds at each amplitude are eigenvalues of a companion matrix: no part of the package.

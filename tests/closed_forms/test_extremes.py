@@ -61,7 +61,7 @@ def calls(machine, chance):
     ]
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_extreme_parameters_give_a_result_or_one_line(seed):
     """Neither another exception nor a warning, which the tests make an exception."""
     chance, answered = random.Random(seed), 0

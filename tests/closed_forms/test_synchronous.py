@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from rotor_ida.closed_forms import folds, synchronous_response
+from rotor_ida.closed_forms.contacting_whirls import bracketed_newton
 from rotor_ida.schema import STABILITY
 
 # A few rounding errors of a double: what is left when the roots themselves are exact.
@@ -153,7 +154,7 @@ def test_amplitudes_of_the_design_at_omega_1_7(delta0, amplitudes, stability):
 
 @pytest.mark.parametrize(
     ("family", "number", "rounding"),
-    [("paper", 100, ROUNDING), ("shaft", 50, ROUNDING), ("linear", 60, ROUNDING),
+    [("paper", 50, ROUNDING), ("shaft", 50, ROUNDING), ("linear", 60, ROUNDING),
      ("friction", 80, 3e-15)],
 )  # fmt: skip
 def test_amplitudes_and_phases_hold_to_rounding_at_scattered_points(family, number, rounding):
@@ -267,3 +268,18 @@ def test_extreme_parameters_hold_to_rounding():
         [1e-6, 1e-3, 0.5, 50.0], [0.0, 1e-6, 0.01, 5.0], [0.0, 1e-7, 0.999, 50.0]
     ):
         assert_matches_reference(*given)
+
+
+def test_newton_s_method_is_not_kept_going_by_rounding():
+    """Of cubics, multiplied out, whose values near their root are nothing but rounding."""
+    root, b, c = np.random.default_rng(4).uniform(0.5, 4.0, (3, 2000))
+    calls = []
+
+    def evaluate(u, rows):
+        calls.append(rows.size)
+        second, first, none = (each[rows] for each in (b - root, c - root * b, -root * c))
+        return ((u + second) * u + first) * u + none, (3.0 * u + 2.0 * second) * u + first
+
+    found = bracketed_newton(evaluate, 0.0 * root, 10.0 + root, np.ones(root.size, bool))
+    np.testing.assert_allclose(found, root, rtol=1e-13)
+    assert len(calls) < 30

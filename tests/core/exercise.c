@@ -468,7 +468,7 @@ static void runs_with_all_observers(void)
             double start[4];
             start_of(number, ROTORS[i].delta0, start);
             for (int kind = 0; kind < 6; kind++) {
-                struct run run = run_of(ROTORS[i], start, kind % 3 == 0 ? 6.0 : 1.0);
+                struct run run = run_of(ROTORS[i], start, kind % 3 == 0 ? 3.0 : 0.5);
                 run.fixed_axes = kind % 2;
                 run.slack = kind == 3 ? 1e-8 : 0.0;
                 run.rtol = kind == 4 ? 1e-15 : 1e-9;
@@ -505,9 +505,9 @@ static void runs_in_rooms_that_are_too_small(void)
     const double start[4] = {0.0};
     int full_inside = 0;
     for (int i = 0; i < ROTOR_COUNT; i++) {
-        for (int64_t size = 0; size < 7; size++) {
+        for (int64_t size = 0; size < 6; size++) {
             stop_after(25000);
-            const struct run run = run_of(ROTORS[i], start, 20.0);
+            const struct run run = run_of(ROTORS[i], start, 10.0);
             full_inside += followed(run, (struct room){size, size, 400, 0, 0}) == FULL_INSIDE;
             followed(run, (struct room){size, size, size, size, 0});
             followed(run, (struct room){size, 0, 0, size, ALONE});

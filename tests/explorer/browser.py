@@ -97,6 +97,10 @@ def chromium_in(folder):
     return driver
 
 
+# Whether nothing lies beyond a width; plots follow that of the window only after a while.
+FITS = "innerWidth === arguments[0] && document.documentElement.scrollWidth <= arguments[0]"
+
+
 @contextmanager
 def sized(driver, width, height=900):
     """Show the page in a window of a size, narrow ones as on a phone."""

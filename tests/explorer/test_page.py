@@ -17,6 +17,7 @@ from tests.explorer.asking import BEYOND as WHOLE
 from tests.explorer.asking import CHATTER, RUB, WHIP, answer_to, question
 from tests.explorer.browser import (
     COLOURED,
+    FITS,
     Page,
     copied,
     downloaded,
@@ -517,8 +518,7 @@ def test_nothing_is_cut_off_in_dark_and_light_and_all_has_a_name(page):
     page.find("#machine summary").click()
     for width in (390, 800, 1400):
         with sized(page.driver, width):
-            time.sleep(0.5)
-            assert page.run("return document.documentElement.scrollWidth") <= width
+            page.until(FITS, width)
             seen = "[...document.querySelectorAll('canvas')].filter((each) => each.offsetParent)"
             assert min(page.run(f"return {seen}.map((each) => each.clientWidth)")) >= 180
     paper = "getComputedStyle(document.body).backgroundColor"

@@ -9,6 +9,7 @@ import numpy as np
 
 from rotor_ida import load_course, load_system, run_up, save, simulate, sweep
 from tests.explorer.browser import (
+    FITS,
     Page,
     copied,
     downloaded,
@@ -125,7 +126,7 @@ def check_drawn_and_played(page):
     assert all(page.pictures())
     for width in (390, 1400):
         with sized(page.driver, width):
-            assert page.run("return document.documentElement.scrollWidth") <= width
+            page.until(FITS, width)
     before = page.pictures()
     page.run("document.querySelector('[data-play]').click()")
     page.until("document.querySelector('[data-time]').valueAsNumber > 0.01")
@@ -135,13 +136,6 @@ def check_drawn_and_played(page):
         ".findIndex((each) => each.closest('[data-panel=\"shape\"]'))"
     )
     assert page.pictures()[shape] != before[shape]
-
-
-SHOWN = """
-return [...document.querySelectorAll('[data-panel]')].filter((each) => each.offsetParent)
-  .map((each) => each.dataset.panel)"""
-OF_RUN_UP = {"bode", "cascade", "response", "campbell", "orbit", "turning", "history", "archive",
-             "sketch", "shape"}  # fmt: skip
 
 
 SHOWN = """
@@ -211,7 +205,7 @@ def check_alone(page, path):
 def shows(page, width):
     """Return the panels that are seen in a window of a width, in which nothing is cut off."""
     with sized(page.driver, width):
-        assert page.run("return document.documentElement.scrollWidth") <= width
+        page.until(FITS, width)
         return set(page.run(SHOWN))
 
 

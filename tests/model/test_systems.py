@@ -26,6 +26,8 @@ from rotor_ida import (
 )
 from rotor_ida.cli.describe import describe
 from rotor_ida.core import systems as core_systems
+from rotor_ida.model.assembly import assemble, canonical
+from rotor_ida.model.growth import growth_between, growth_of
 from rotor_ida.results.archived_system import system_of
 from tests.axisymmetric_systems import random_axisymmetric
 from tests.random_systems import random_system
@@ -237,6 +239,25 @@ def test_a_run_computed_again_has_the_same_axial_positions():
     again = system_of(run)
     assert again.positions == places
     assert again.reduced(modes=2).positions == places
+
+
+def test_a_motion_grows_only_where_an_eigenvalue_says_so():
+    """Also of matrices that give it no energy, at which no speed is tried; some are singular."""
+    rng, grown = np.random.default_rng(3), 0
+    for number in range(60):
+        springs, dampers, turning, cross = rng.normal(size=(4, 4, 4))
+        springs[:, 0] *= number % 2
+        stiffness = springs @ springs.T + rng.choice([0.0, 1e-9, 0.3]) * (cross - cross.T)
+        damping = rng.choice([0.0, 0.1]) * dampers @ dampers.T
+        found = canonical(assemble(RotorSystem(
+            mass=np.diag(rng.uniform(0.5, 2.0, 4)), stiffness=stiffness, units="1",
+            damping=damping - rng.choice([0.0, 0.0, 1e-3]) * np.eye(4),
+            gyroscopic=0.5 * (turning - turning.T), nodes={"a": (0, 1), "b": (2, 3)},
+        )))  # fmt: skip
+        grows = any(growth_of(found, speed) for speed in np.linspace(0.1, 3.0, 65).tolist())
+        assert bool(growth_between(found, 0.1, 3.0)) == grows, number
+        grown += grows
+    assert 20 < grown < 50
 
 
 def test_a_linear_system_that_grows_is_told():

@@ -32,7 +32,7 @@ def machine_of(rng):
 def test_stated_errors_of_machines_of_every_kind_cover_the_true_ones():
     """Also where the times of two runs agree by chance: then the states do not."""
     rng, covered = np.random.default_rng(5), []
-    for _ in range(200):
+    for _ in range(120):
         rotor = machine_of(rng)
         start = tuple((0.6 * rng.normal(size=4) * [rotor.delta0, rotor.delta0, 1.0, 1.0]).tolist())
         given = {"start": start, "duration": 20.0, "samples": 65, "method": "taylor"}
@@ -43,7 +43,7 @@ def test_stated_errors_of_machines_of_every_kind_cover_the_true_ones():
                 continue
             true = np.abs(run.event_time.values - best.event_time.values)
             covered += (true <= run.event_time_error.values).tolist()
-    assert len(covered) > 2000
+    assert len(covered) > 1200
     assert np.mean(covered) >= 0.9995
 
 
@@ -222,12 +222,12 @@ def test_stated_errors_of_systems_cover_the_true_ones(method, rtol):
     The true time is that of a run by Taylor series at the tightest tolerance.
     """
     count = 0
-    for seed in (*range(400, 440), 608, 678):
+    for seed in (*range(400, 420), 608, 678):
         best = followed(seed, 10.0, rtol=1e-14)
         said, true = stated_and_true(followed(seed, 10.0, rtol=rtol, method=method), best)
         assert (true <= said).all(), seed
         count += said.size
-    assert count > 400
+    assert count > 200
 
 
 def test_before_the_horizon_of_a_system_a_far_tighter_run_has_the_same_events():

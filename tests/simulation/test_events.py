@@ -71,7 +71,7 @@ def random_rotor(draw, *, friction):
 
 
 @pytest.mark.parametrize("friction", [False, True])
-@pytest.mark.parametrize(("way", "count"), [("adams", 60), ("reference", 12)])
+@pytest.mark.parametrize(("way", "count"), [("adams", 40), ("reference", 8)])
 def test_random_rotors_have_the_same_events_by_either_way(way, count, friction):
     draw, shown = np.random.default_rng(7), set()
     duration = 6.0 if friction and way == "reference" else 15.0

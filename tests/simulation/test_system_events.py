@@ -59,7 +59,7 @@ def test_systems_have_the_events_of_cvode(seed, by):
 def test_many_systems_have_the_events_of_cvode():
     """As far as the events of both runs are sure; the plain-Python witness shares no code."""
     count, slow = 0, BY_CVODE["witness"]
-    for seed in range(100, 114):
+    for seed in range(100, 108):
         exact, other = followed(seed, 10.0), followed(seed, 10.0, rtol=1e-11, **slow)
         horizon = min(exact.horizon.item(), other.horizon.item())
         one, two = (run.isel(event=(run.event_time < horizon).values) for run in (exact, other))
@@ -67,7 +67,7 @@ def test_many_systems_have_the_events_of_cvode():
         np.testing.assert_array_equal(one.event_contact, two.event_contact)
         np.testing.assert_allclose(one.event_time, two.event_time, rtol=2e-7)
         count += one.sizes["event"]
-    assert count > 140
+    assert count > 80
 
 
 @pytest.mark.parametrize("seed", [78, 410, 434, 454, 578, 628])

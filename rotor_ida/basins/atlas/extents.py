@@ -130,21 +130,31 @@ def extent_of_whirl(rotor: Rotor, amplitude: float, parameter: str) -> tuple[End
 
 
 def amplitudes_along(rotor: Rotor, amplitude: float, parameter: str, values: Values) -> Values:
-    """Return the amplitudes of a stable whirl at these values; NaN from where it ends.
+    """Return the amplitudes of a stable whirl at these values; NaN from where it ends."""
+    return _followed(amplitude, _stable_amplitudes(rotor, parameter, values))
 
-    A branch has ended at a fold if the nearest other whirl is farther off than it can have moved.
-    """
+
+def _stable_amplitudes(rotor: Rotor, parameter: str, values: Values) -> Values:
+    """Return the amplitudes of all stable whirls in contact, a row for each value."""
     distinct, back = np.unique(values, return_inverse=True)
     asked: dict[str, Any] = {"load": 0.0, parameter: distinct}
     whirls = synchronous_response(rotor, **asked)
     stands = (whirls["stability"] == STABILITY["stable"]) & (whirls["in_contact"] == 1)
     sizes = whirls["amplitude"].where(stands).transpose(parameter, ..., "branch").values[back]
-    found = np.full(values.size, math.nan)
-    for place, row in enumerate(sizes.reshape(values.size, -1)):
-        apart = np.abs(row - amplitude)
-        if not (apart <= MOST_CHANGE * amplitude).any():
+    return np.asarray(sizes.reshape(values.size, -1))
+
+
+def _followed(amplitude: float, rows: Values) -> Values:
+    """Return the amplitude of one whirl in rows with those of all; NaN from where it ends.
+
+    A branch has ended at a fold if the nearest other whirl is farther off than it can have moved.
+    """
+    found = np.full(len(rows), math.nan)
+    for place, row in enumerate(rows.tolist()):
+        near = [each for each in row if abs(each - amplitude) <= MOST_CHANGE * amplitude]
+        if not near:
             break
-        found[place] = amplitude = float(row[np.nanargmin(apart)])
+        found[place] = amplitude = min(near, key=lambda each: abs(each - amplitude))
     return found
 
 
@@ -165,8 +175,9 @@ def _last_of_steps(
 
     A step in which it ends, or its amplitude changes by much, is divided into finer ones.
     """
+    rows = _stable_amplitudes(rotor, parameter, values)
     while True:
-        sizes = amplitudes_along(rotor, amplitude, parameter, values)
+        sizes = _followed(amplitude, rows)
         lasting = int(np.isfinite(sizes).sum())
         if lasting == 0:
             return math.nan, math.nan
@@ -180,7 +191,7 @@ def _last_of_steps(
         reached, amplitude = _last_of_steps(rotor, amplitude, parameter, finer, divisions - 1)
         if reached != goal:
             return reached, amplitude
-        values = values[lasting:]
+        values, rows = values[lasting:], rows[lasting:]
 
 
 def _how_whirl_ends(rotor: Rotor, amplitude: float) -> str:

@@ -89,7 +89,7 @@ def critical_modes(assembly: Assembly, largest: float) -> list[Mode]:
         found = _driven_modes(assembly, speed, largest)
         if assembly.films:  # the coefficients are those at the critical speed of one mode
             found = [each for each in found if abs(each.speed - speed) < EQUAL * speed]
-        turning = [pole if same else _turning(assembly, pole) for pole in found]
+        turning = found if same else _all_turning(assembly, found, largest)
         for mode in sorted(turning, key=lambda each: each.speed):
             if not modes or not _same(mode, modes[-1]):
                 modes.append(mode)
@@ -115,6 +115,24 @@ def _driven_modes(assembly: Assembly, speed: float, largest: float) -> list[Mode
         Mode(float(values[i].imag), float(-values[i].real), forward[:, i], vectors[:size, i])
         for i in chosen
     ]
+
+
+def _all_turning(assembly: Assembly, poles: Sequence[Mode], largest: float) -> list[Mode]:
+    """Return the modes near poles that turn with the rotor up to a speed, or else the slowest.
+
+    Each is nearer to its pole than that decays, so that poles far beyond the speed have none.
+    """
+    found: list[Mode] = []
+    for pole in sorted(poles, key=_least_speed):
+        slowest = min((each.speed for each in found), default=np.inf)
+        if _least_speed(pole) > max(largest, slowest):
+            break
+        found.append(_turning(assembly, pole))
+    return found
+
+
+def _least_speed(pole: Mode) -> float:
+    return pole.speed - abs(pole.decay)
 
 
 def _turning(assembly: Assembly, pole: Mode) -> Mode:

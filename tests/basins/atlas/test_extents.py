@@ -56,12 +56,16 @@ def count_of_whirls(rotor):
     return int(found.in_contact.sum())
 
 
+# Rotors that are drawn; and how many of them are led to the ends of their whirls in small steps.
+DRAWN, LED = 12, 5
+
+
 @cache
 def drawn():
     """Return rotors all over the plane with a stable whirl in contact each."""
     random = np.random.default_rng(7)
     rotors = []
-    while len(rotors) < 20:
+    while len(rotors) < DRAWN:
         rotor = Rotor(
             omega=random.uniform(0.3, 4.0), zeta=10.0 ** random.uniform(-2.0, -0.5),
             delta0=random.choice([0.0, random.uniform(0.05, 3.0)]),
@@ -92,7 +96,7 @@ LITTLE_DAMPING = [
 PARTS = 0.5 - 0.5 * np.cos(np.pi * np.linspace(0.0, 0.99, 4000))
 
 
-@pytest.mark.parametrize("number", range(20 + len(LITTLE_DAMPING)))
+@pytest.mark.parametrize("number", range(DRAWN + len(LITTLE_DAMPING)))
 def test_a_whirl_ends_where_the_locus_of_folds_says(number):
     """`folds` finds them otherwise: by crossings of one function along the locus.
 
@@ -119,7 +123,7 @@ def test_a_whirl_ends_where_the_locus_of_folds_says(number):
             else:
                 size = there.omega / math.hypot(there.omega, 2.0 * there.zeta)
                 assert size == pytest.approx(there.delta0, rel=1e-12)
-            if number < 8:
+            if number < LED:
                 check_it_can_be_followed(rotor, name, amplitude, end.value)
 
 
