@@ -18,6 +18,10 @@ settings.load_profile("rotor_ida")
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
+# of what collecting the tests makes, nothing is garbage
+gc.disable()
+
+
 # What takes long comes first, so that all workers end together; a worker takes over the last tests
 # of another, which here are short, and not those that share a browser or a cluster.
 LONG = (
@@ -38,8 +42,9 @@ def pytest_collection_finish():
     that, and nothing that is left out is seen to hold anything.
     """
     given(none())(lambda _: None)()
-    gc.collect()
     gc.freeze()
+    gc.set_threshold(50_000, 20, 20)
+    gc.enable()
 
 
 @pytest.hookimpl(wrapper=True)
