@@ -151,7 +151,8 @@ def show_by_dimension(dataset: xr.Dataset, most: int | None) -> Description:
 
 def _dimensions(dataset: xr.Dataset) -> list[tuple[str, ...]]:
     """Return the dimensions of variables with few enough values to print."""
-    shapes = [each.dims for each in dataset.data_vars.values() if each.size <= MOST_TOLD]
+    variables = dataset.data_vars.variables.values()
+    shapes = [each.dims for each in variables if each.size <= MOST_TOLD]
     return [tuple(map(str, dims)) for dims in dict.fromkeys(shapes) if dims]
 
 
@@ -249,7 +250,7 @@ def rows_of(dataset: xr.Dataset, names: Sequence[str]) -> list[Record]:
     if not names:
         return []
     first = dataset[names[0]]
-    columns = [values_of(dataset[name].broadcast_like(first).transpose(*first.dims))
+    columns = [values_of(xr.DataArray(dataset[name].variable.set_dims(first.sizes)))
                for name in names]  # fmt: skip
     return [dict(zip(names, row, strict=True)) for row in zip(*columns, strict=True)]
 
@@ -262,7 +263,8 @@ def value_of(dataset: xr.Dataset, name: str) -> object:
 
 def names_on(dataset: xr.Dataset, *dims: str) -> list[str]:
     """Return the variables with exactly these dimensions."""
-    return [str(name) for name, variable in dataset.data_vars.items() if variable.dims == dims]
+    variables = dataset.data_vars.variables  # quicker than arrays with their coordinates
+    return [str(name) for name, variable in variables.items() if variable.dims == dims]
 
 
 def attributes_of(dataset: xr.Dataset) -> Record:

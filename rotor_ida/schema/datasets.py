@@ -85,7 +85,7 @@ def spread(
 ) -> dict[str, npt.NDArray[Any]]:
     """Return those of the named variables that there are, by name, on the dimensions of another."""
     return {
-        name: dataset[name].broadcast_like(like).transpose(*like.dims).values
+        name: dataset.variables[name].set_dims(like.sizes).values
         for name in names
         if name in dataset.variables
     }
