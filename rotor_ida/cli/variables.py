@@ -13,7 +13,7 @@ import xarray as xr
 from rotor_ida.model.parameters import ALL_PARAMETERS
 from rotor_ida.results.sheets import Line, Parts, Range, Sheet, facts, table
 from rotor_ida.results.si_units import si_of
-from rotor_ida.schema import NO_YES, RESULT_KIND, flags_of, unit_of, words_of
+from rotor_ida.schema import NO_YES, RESULT_KIND, along, flags_of, unit_of, words_of
 from rotor_ida.units import SPEED_UNITS
 
 Record = dict[str, object]
@@ -250,8 +250,7 @@ def rows_of(dataset: xr.Dataset, names: Sequence[str]) -> list[Record]:
     if not names:
         return []
     first = dataset[names[0]]
-    columns = [values_of(xr.DataArray(dataset[name].variable.set_dims(first.sizes)))
-               for name in names]  # fmt: skip
+    columns = [values_of(along(dataset[name].variable, first.sizes), name) for name in names]
     return [dict(zip(names, row, strict=True)) for row in zip(*columns, strict=True)]
 
 
@@ -313,11 +312,11 @@ def counted(title: str, count: int, most: int | None) -> str:
     return f"{title}: {count or 'none'}"
 
 
-def values_of(variable: xr.DataArray) -> list[Any]:
+def values_of(variable: xr.DataArray | xr.Variable, name: str | None = None) -> list[Any]:
     """Return the values of a variable as a flat list, in words if it is a flag."""
     if "flag_meanings" not in variable.attrs:
         return list(variable.values.ravel().tolist())
-    words = words_of(variable)
+    words = words_of(variable, name)
     return [word == "yes" for word in words] if flags_of(variable) == NO_YES else words
 
 
