@@ -34,6 +34,8 @@ def unfit(text: str, kept: str = "") -> str:
     >>> unfit("disc's 2nd <node>, $x$"), unfit("disc\x1b[31m"), unfit("a\nb", kept="\n")
     ('', '\x1b', '')
     """
+    if text.isprintable():
+        return ""
     return next((each for each in text if each not in kept and _is_unfit(each)), "")
 
 

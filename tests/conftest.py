@@ -4,6 +4,9 @@ import gc
 import importlib.util
 import signal
 import sys
+from contextlib import suppress
+from importlib import import_module
+from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
@@ -18,6 +21,10 @@ settings.load_profile("rotor_ida")
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
+# of what collecting the tests makes, nothing is garbage
+gc.disable()
+
+
 # What takes long comes first, so that all workers end together; a worker takes over the last tests
 # of another, which here are short, and not those that share a browser or a cluster.
 LONG = (
@@ -26,6 +33,19 @@ LONG = (
     "explorer/test_queues.py", "explorer/test_command.py", "parallel/test_cluster.py",
     "core/test_sanitized.py", "core/test_build.py", "paper/test_scenarios.py", "cli/test_help.py",
 )  # fmt: skip
+
+
+def pytest_sessionstart(session):
+    """Import a part of all modules first: what a worker compiles the others then only load."""
+    config = session.config
+    worker = getattr(config, "workerinput", {"workerid": ""})
+    if not worker["workerid"] or config.args != config.getini("testpaths"):
+        return
+    modules = sorted(Path(__file__).parent.rglob("test_*.py"))
+    for path in modules[int(worker["workerid"][2:]) :: worker["workercount"]]:
+        name = ".".join(path.relative_to(config.rootpath).with_suffix("").parts)
+        with suppress(BaseException):  # the collection reports what cannot be imported
+            import_module(name)
 
 
 def pytest_collection_modifyitems(items):
@@ -39,8 +59,9 @@ def pytest_collection_finish():
     that, and nothing that is left out is seen to hold anything.
     """
     given(none())(lambda _: None)()
-    gc.collect()
     gc.freeze()
+    gc.set_threshold(50_000, 20, 20)
+    gc.enable()
 
 
 @pytest.hookimpl(wrapper=True)

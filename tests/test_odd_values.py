@@ -367,6 +367,7 @@ def study_in(folder: Path) -> Path:
     return study
 
 
+@functools.cache
 def public() -> dict[str, Callable[..., object]]:
     """Return what a user may call, without modules, errors and a plain record."""
     found = {name: getattr(rotor_ida, name) for name in rotor_ida.__all__}

@@ -13,7 +13,7 @@ import xarray as xr
 from rotor_ida.model.parameters import ALL_PARAMETERS
 from rotor_ida.results.sheets import Line, Parts, Range, Sheet, facts, table
 from rotor_ida.results.si_units import si_of
-from rotor_ida.schema import NO_YES, RESULT_KIND, flags_of, unit_of, words_of
+from rotor_ida.schema import NO_YES, RESULT_KIND, along, flags_of, unit_of, words_of
 from rotor_ida.units import SPEED_UNITS
 
 Record = dict[str, object]
@@ -151,7 +151,8 @@ def show_by_dimension(dataset: xr.Dataset, most: int | None) -> Description:
 
 def _dimensions(dataset: xr.Dataset) -> list[tuple[str, ...]]:
     """Return the dimensions of variables with few enough values to print."""
-    shapes = [each.dims for each in dataset.data_vars.values() if each.size <= MOST_TOLD]
+    variables = dataset.data_vars.variables.values()
+    shapes = [each.dims for each in variables if each.size <= MOST_TOLD]
     return [tuple(map(str, dims)) for dims in dict.fromkeys(shapes) if dims]
 
 
@@ -249,8 +250,7 @@ def rows_of(dataset: xr.Dataset, names: Sequence[str]) -> list[Record]:
     if not names:
         return []
     first = dataset[names[0]]
-    columns = [values_of(dataset[name].broadcast_like(first).transpose(*first.dims))
-               for name in names]  # fmt: skip
+    columns = [values_of(along(dataset[name].variable, first.sizes), name) for name in names]
     return [dict(zip(names, row, strict=True)) for row in zip(*columns, strict=True)]
 
 
@@ -262,7 +262,8 @@ def value_of(dataset: xr.Dataset, name: str) -> object:
 
 def names_on(dataset: xr.Dataset, *dims: str) -> list[str]:
     """Return the variables with exactly these dimensions."""
-    return [str(name) for name, variable in dataset.data_vars.items() if variable.dims == dims]
+    variables = dataset.data_vars.variables  # quicker than arrays with their coordinates
+    return [str(name) for name, variable in variables.items() if variable.dims == dims]
 
 
 def attributes_of(dataset: xr.Dataset) -> Record:
@@ -311,11 +312,11 @@ def counted(title: str, count: int, most: int | None) -> str:
     return f"{title}: {count or 'none'}"
 
 
-def values_of(variable: xr.DataArray) -> list[Any]:
+def values_of(variable: xr.DataArray | xr.Variable, name: str | None = None) -> list[Any]:
     """Return the values of a variable as a flat list, in words if it is a flag."""
     if "flag_meanings" not in variable.attrs:
         return list(variable.values.ravel().tolist())
-    words = words_of(variable)
+    words = words_of(variable, name)
     return [word == "yes" for word in words] if flags_of(variable) == NO_YES else words
 
 

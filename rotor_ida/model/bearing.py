@@ -175,7 +175,7 @@ class Bearing:
             return np.broadcast_to(rows, (*speeds.shape, 2, 2))
         from scipy.interpolate import PPoly  # noqa: PLC0415 - takes long to import
 
-        cubics = PPoly(getattr(self, f"{name}_cubics"), self.knots)
+        cubics = PPoly.construct_fast(getattr(self, f"{name}_cubics"), self.knots)
         held = np.clip(speeds, self.knots[0], self.knots[-1])
         return np.asarray(cubics(held, derivative))
 

@@ -8,6 +8,7 @@ from rotor_ida.arrays import Column
 from rotor_ida.schema.datasets import (
     CONVENTIONS,
     RESULT_KIND,
+    along,
     check_as_computed,
     check_variables,
     labelled,
@@ -54,6 +55,6 @@ __all__ = [
     "FATE", "LINE_KIND", "MODE", "NO_YES", "OF_BEARING", "OF_DROP", "OF_FRICTION_EVENT_KIND",
     "QUANTITIES", "RESPONSE", "RESULT_KIND", "SPECIAL", "STABILITY", "STATUS", "TRAPPING",
     "VERDICT", "WHIRL_DIRECTION", "WHIRL_KIND", "WITH_EXTENTS", "Column", "Quantity",
-    "by_number", "check_as_computed", "check_variables", "decode_flags", "flags_of", "labelled",
-    "labelled_dataset", "origin_of", "spread", "unit_of", "words_of",
+    "along", "by_number", "check_as_computed", "check_variables", "decode_flags", "flags_of",
+    "labelled", "labelled_dataset", "origin_of", "spread", "unit_of", "words_of",
 ]  # fmt: skip

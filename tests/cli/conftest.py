@@ -12,6 +12,7 @@ import pytest
 import rotor_ida
 from rotor_ida.cli import main
 from rotor_ida.plot.appearance import SettledLayout
+from rotor_ida.plot.saving import _draw
 
 
 @dataclass(frozen=True)
@@ -49,15 +50,22 @@ def is_refused(program: Program, line: str, message: str) -> None:
 
 @pytest.fixture(autouse=True)
 def _quickly(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Draw figures of few dots, leave their axes where they are, and start no processes.
+    """Write empty figures, draw those on pages of few dots, and start no processes.
 
     `tests/plot` looks at figures, and `tests/cli/test_drop.py` at a PDF.
     """
-    monkeypatch.setattr("rotor_ida.plot.saving._DOTS_PER_INCH", 50)
+    monkeypatch.setattr("rotor_ida.plot.saving._draw", lambda _, path: path.touch())
     monkeypatch.setattr("rotor_ida.cli.pages.RESOLUTION", 30)
     monkeypatch.setattr("rotor_ida.cli.pages.write_pdf", lambda path, *_: path.touch())
     monkeypatch.setattr("rotor_ida.parallel.count_workers", lambda _given: 1)
     monkeypatch.setattr(SettledLayout, "execute", lambda *_: None)
+
+
+@pytest.fixture
+def drawn(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Draw the figures that are written, of few dots and with their axes where they are."""
+    monkeypatch.setattr("rotor_ida.plot.saving._draw", _draw)
+    monkeypatch.setattr("rotor_ida.plot.saving._DOTS_PER_INCH", 50)
 
 
 @pytest.fixture(scope="session")

@@ -100,6 +100,7 @@ def test_a_figure_is_named_by_either_file_or_without_ending(program: Program, na
     assert {path.name for path in Path().iterdir()} == {"motion.png", "motion.svg"}
 
 
+@pytest.mark.usefixtures("drawn")
 def test_a_figure_is_a_pdf_where_its_name_is_one(program: Program):
     answer = program("simulate", *RUN, "--figure", "motion.pdf")
     assert "wrote motion.pdf" in answer.out

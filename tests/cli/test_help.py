@@ -122,6 +122,7 @@ def write_run_of_system(path: Path) -> None:
     rotor_ida.save(run, path)
 
 
+@pytest.mark.usefixtures("drawn")
 def test_the_examples_run_one_after_the_other(
     program: Program, help_of: Program, monkeypatch: pytest.MonkeyPatch
 ):

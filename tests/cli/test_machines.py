@@ -300,6 +300,7 @@ def test_the_explorer_opens_an_archive_in_si_units_as_its_machine(
     assert opened[0]["x"] == pytest.approx(3.0)
 
 
+@pytest.mark.usefixtures("drawn")
 def test_sentences_and_figures_are_in_inches_too(program: Program, pump: str, tmp_path: Path):
     """A clearance of 150 um is 5.906 mil, and no length or force stays metric."""
     line = ("run-up", "--machine", pump, "--to", "6000rpm", "--rate", "3000rpm/s")

@@ -174,6 +174,7 @@ def test_a_file_alone_is_drawn_as_suits_it_beside_it(
     assert "already exists; pass --force to replace it" in program("plot", name).err
 
 
+@pytest.mark.usefixtures("drawn")
 def test_a_measured_file_is_told_for_a_rub_and_drawn_in_mils_on_request(
     program: Program, folder: Path
 ):
