@@ -52,7 +52,9 @@ def film_pencil(assembly: Assembly, speed: float) -> tuple[Values, Values]:
     return left, np.block([[one, zero], [zero, assembly.mass]])
 
 
-def pencil_motions(left: npt.NDArray[Any], right: npt.NDArray[Any]) -> tuple[ComplexValues, ...]:
+def pencil_motions(
+    left: npt.NDArray[Any], right: npt.NDArray[Any]
+) -> tuple[ComplexValues, ComplexValues]:
     """Return the eigenvalues of a pencil and its right vectors, as accurate as their sizes allow.
 
     The QZ algorithm is accurate to rounding of the largest one. Finite elements have some 1e4 times
@@ -62,8 +64,10 @@ def pencil_motions(left: npt.NDArray[Any], right: npt.NDArray[Any]) -> tuple[Com
     sizes = np.sqrt(np.abs(np.diag(right)))
     sizes[sizes == 0.0] = 1.0
     if np.linalg.cond(right / np.outer(sizes, sizes)) > INVERTIBLE:
-        return eig(left, right)
-    return np.linalg.eig(np.linalg.solve(right, left))
+        values, vectors = eig(left, right)
+    else:
+        values, vectors = np.linalg.eig(np.linalg.solve(right, left))
+    return values.astype(complex), vectors.astype(complex)
 
 
 def film_speeds(assembly: Assembly, low: float, high: float) -> list[float]:

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Unpack
+from typing import Any, Unpack
 
 import numpy as np
 import xarray as xr
@@ -159,7 +159,7 @@ def jumps(rotor: Rotor | None = None, **varied: Unpack[Parameters]) -> xr.Datase
     return found.assign(landing_amplitude=labelled("landing_amplitude", dims, landing))
 
 
-def _landing(speed: float, parameters: Mapping[str, object]) -> float:
+def _landing(speed: float, parameters: Mapping[str, Any]) -> float:
     """Return the only whirl to last beyond a fold; NaN if there is none or more than one."""
     beside = speed * np.array([1.0 - _BESIDE, 1.0, 1.0 + _BESIDE])
     here = synchronous_response(omega=beside, **parameters)
@@ -170,7 +170,7 @@ def _landing(speed: float, parameters: Mapping[str, object]) -> float:
     others = amplitude[beyond][lasting.reshape(3, -1)[beyond]]
     if others.size != 1:
         return math.nan
-    return amplitude[1][np.nanargmin(np.abs(amplitude[1] - others[0]))].item()
+    return float(amplitude[1][np.nanargmin(np.abs(amplitude[1] - others[0]))])
 
 
 def cusp_zeta(
