@@ -34,6 +34,8 @@ KNOWN, ERRORS = 0.02, 4.0
 TOUCH = 1e-9
 # Eigenvalues meet where the product of their left and right vectors, of size 1, is below this.
 MEET = 1e-7
+# Condition of the right side of a pencil up to which it is inverted.
+INVERTIBLE = 1e8
 # How far beside a cell, in widths of it, such a place is still sought: that of a neighbour too.
 BESIDE = 0.01
 # Powers of a cubic, the highest first, by its Bezier points.
@@ -48,6 +50,24 @@ def film_pencil(assembly: Assembly, speed: float) -> tuple[Values, Values]:
         resisted = resisted + speed * assembly.gyroscopic
     left = np.block([[zero, one], [-assembly.stiffness_at(speed), -resisted]])
     return left, np.block([[one, zero], [zero, assembly.mass]])
+
+
+def pencil_motions(
+    left: npt.NDArray[Any], right: npt.NDArray[Any]
+) -> tuple[ComplexValues, ComplexValues]:
+    """Return the eigenvalues of a pencil and its right vectors, as accurate as their sizes allow.
+
+    The QZ algorithm is accurate to rounding of the largest one. Finite elements have some 1e4 times
+    as large as those that count, and balancing respects these; it takes the inverse of the right
+    side where that can be formed.
+    """
+    sizes = np.sqrt(np.abs(np.diag(right)))
+    sizes[sizes == 0.0] = 1.0
+    if np.linalg.cond(right / np.outer(sizes, sizes)) > INVERTIBLE:
+        values, vectors = eig(left, right)
+    else:
+        values, vectors = np.linalg.eig(np.linalg.solve(right, left))
+    return values.astype(complex), vectors.astype(complex)
 
 
 def film_speeds(assembly: Assembly, low: float, high: float) -> list[float]:

@@ -280,11 +280,12 @@ def flanks(A: Values, equations: CurveEquations) -> tuple[Values, Values, npt.ND
     c0, c1, c2, c4 = (each.high for each in coefficients)
     above = A > 1.0
     lowest = np.where(above, _lowest_speed(c0, c1, np.where(above, c4, 1.0)), 0.0)
-    size = np.where(c4 == 0.0, np.maximum(-c2, 0.0), np.abs(c4))
+    square = c4 == 0.0  # at A = 1 the term with w**4 is missing
+    size = np.where(square, np.maximum(-c2, 0.0), np.abs(c4))
     with np.errstate(divide="ignore", invalid="ignore"):
-        shares = (np.maximum(np.abs(c2) / size, 0.0), np.cbrt(c1 / size), np.sqrt(c0 / size))
-        bounds = np.where(c4 == 0.0, 0.0, np.sqrt(shares[0])), shares[1], np.sqrt(shares[2])
-    far = 2.0 * np.max(bounds, axis=0)
+        second, third, fourth = np.abs(c2) / size, c1 / size, np.sqrt(c0 / size)
+    roots = np.sqrt(second), np.cbrt(third), np.sqrt(fourth)
+    far = 2.0 * np.max(np.where(square, (np.zeros_like(A), third, fourth), roots), axis=0)
     held = above & (_value(lowest, coefficients)[0] <= 0.0)
     exists = held | (~above & np.isfinite(far))
 

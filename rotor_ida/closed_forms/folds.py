@@ -9,7 +9,9 @@ along a locus finds: see `cusps`. Folds of rotor systems are those met as the br
 
 from __future__ import annotations
 
-from typing import Unpack
+import math
+from collections.abc import Mapping
+from typing import Any, Unpack
 
 import numpy as np
 import xarray as xr
@@ -33,8 +35,8 @@ _RANGE = (1e-20, 1e6)
 RANGES = dict.fromkeys(("zeta", "delta0", "shaft_stiffness", "friction"), _RANGE)
 # Why points that occur at any speed take none.
 ALL_SPEEDS = {"omega": "all speeds are searched"}
-# At a fold two whirls coincide, to the root of rounding.
-_SAME = 1e-5
+# How far beside a fold, relative to its speed, its rounding leaves no doubt about the side.
+_BESIDE = 2.0**-50
 # Between these clearances the damping of the cusp has its only maximum.
 _HUMP = (0.5, 0.8)
 
@@ -153,14 +155,22 @@ def jumps(rotor: Rotor | None = None, **varied: Unpack[Parameters]) -> xr.Datase
     landing = np.full(speeds.shape, np.nan)
     for place in zip(*np.nonzero(np.isfinite(speeds)), strict=True):
         parameters = {name: each[place] for name, each in given.items()}
-        here = synchronous_response(omega=speeds[place], **parameters)
-        amplitude = here["amplitude"].values.ravel()
-        fold = found["fold_amplitude"].values[place]
-        lasting = np.isin(here["stability"], (STABILITY["stable"], STABILITY["neutral"]))
-        others = amplitude[lasting.ravel() & (np.abs(amplitude - fold) > _SAME * fold)]
-        if others.size == 1:
-            landing[place] = others[0]
+        landing[place] = _landing(speeds[place], parameters)
     return found.assign(landing_amplitude=labelled("landing_amplitude", dims, landing))
+
+
+def _landing(speed: float, parameters: Mapping[str, Any]) -> float:
+    """Return the only whirl to last beyond a fold; NaN if there is none or more than one."""
+    beside = speed * np.array([1.0 - _BESIDE, 1.0, 1.0 + _BESIDE])
+    here = synchronous_response(omega=beside, **parameters)
+    amplitude = here["amplitude"].values.reshape(3, -1)
+    lasting = np.isin(here["stability"], (STABILITY["stable"], STABILITY["neutral"]))
+    # The two whirls that merge in the fold are on one side of it, and the others on both.
+    beyond = min(0, 2, key=lambda side: np.isfinite(amplitude[side]).sum())
+    others = amplitude[beyond][lasting.reshape(3, -1)[beyond]]
+    if others.size != 1:
+        return math.nan
+    return float(amplitude[1][np.nanargmin(np.abs(amplitude[1] - others[0]))])
 
 
 def cusp_zeta(

@@ -237,6 +237,8 @@ def _chains(equations: CurveEquations) -> list[Chain]:
     elif endless:
         chains.append(Chain(1, rest, Place(math.inf, math.inf), rest))
     elif len(ends) % 2:  # without damping, from rest
-        chains.append(Chain(1, rest, ends.pop(0), rest))
+        # where the free whirl of every speed just touches, a linear contact holds one of speed 1
+        end = Place(d, 1.0) if d == 1.0 and not law.hertz else rest
+        chains.append(Chain(1, rest, ends.pop(0), end))
     pairs = zip(ends[::2], ends[1::2], strict=True)
     return chains + [Chain(1, low, high, low) for low, high in pairs]

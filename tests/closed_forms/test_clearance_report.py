@@ -332,3 +332,55 @@ def test_a_peak_at_the_end_of_its_range_is_one(ends):
     peak = peak_between(response, speeds, response(speeds), *ends)
     assert peak.speed == pytest.approx(1.0, rel=1e-6)
     assert peak.amplification == pytest.approx(5.0, rel=1e-4)
+
+
+def fine_beam(elements):
+    """A shaft by Euler and Rayleigh, of one plane, on springs, with discs: mass, stiffness, G."""
+    length, diameter, size = 1.3 / elements, 0.05, 2 * (elements + 1)
+    area, bend = math.pi * diameter**2 / 4.0, math.pi * diameter**4 / 64.0
+    scale = np.diag([1.0, length, 1.0, length])
+    mass, stiffness, turning = np.zeros((3, size, size))
+    for first in range(0, size - 2, 2):
+        part = np.s_[first : first + 4, first : first + 4]
+        stiffness[part] += 2.11e11 * bend / length**3 * scale @ np.array(
+            [[12, 6, -12, 6], [6, 4, -6, 2], [-12, -6, 12, -6], [6, 2, -6, 4]]
+        ) @ scale  # fmt: skip
+        rotary = 7810.0 * bend / (30.0 * length) * scale @ np.array(
+            [[36, 3, -36, 3], [3, 4, -3, -1], [-36, -3, 36, -3], [3, -1, -3, 4]]
+        ) @ scale  # fmt: skip
+        mass[part] += rotary + 7810.0 * area * length / 420.0 * scale @ np.array(
+            [[156, 22, 54, -13], [22, 4, 13, -3], [54, 13, 156, -22], [-13, -3, -22, 4]]
+        ) @ scale  # fmt: skip
+        turning[part] += 2.0 * rotary
+    for disc, polar in ((elements // 2, 0.11), (3 * elements // 4, 0.09)):
+        place = 2 * disc
+        mass[place, place] += 12.0
+        mass[place + 1, place + 1] += 0.55 * polar
+        turning[place + 1, place + 1] += polar
+    for bearing in (0, size - 2):
+        stiffness[bearing, bearing] += 1e7
+    return mass, stiffness, turning
+
+
+@pytest.mark.parametrize("damped", [False, True])
+@pytest.mark.parametrize("turns", [False, True])
+def test_critical_speeds_of_fine_finite_elements_are_those_of_one_plane(turns, damped):
+    """No digit is lost to modes a thousand times as fast, no speed told twice, none invented."""
+    mass, stiffness, turning = fine_beam(24)
+    size, both = len(mass), np.eye(2)
+    bearings = np.zeros_like(mass)
+    bearings[0, 0] = bearings[-2, -2] = 1e3
+    system = RotorSystem(
+        mass=np.kron(both, mass), stiffness=np.kron(both, stiffness),
+        gyroscopic=np.kron([[0.0, 1.0], [-1.0, 0.0]], turning) if turns else None,
+        damping=np.kron(both, bearings) if damped else None,
+        nodes={f"{place}": (2 * place, size + 2 * place) for place in range(size // 2)},
+        unbalance=[Unbalance(node="8", moment=1e-4)],
+    )  # fmt: skip
+    found = synchronous_response(system, speed=[10.0, 2000.0]).critical_speed.values
+    held = mass - turning if turns else mass
+    squares = np.linalg.eigvals(np.linalg.solve(stiffness, held)).real
+    speeds = np.sort(1.0 / np.sqrt(squares[squares > 1.0 / 2000.0**2]))
+    assert speeds.size == 3
+    # the bearings' damping of 1e3 N s/m moves them by parts of a thousand
+    np.testing.assert_allclose(found, speeds, rtol=5e-3 if damped else 1e-9)

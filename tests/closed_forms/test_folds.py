@@ -318,6 +318,23 @@ def test_a_jump_lands_on_a_whirl_that_is_not_unstable(rotor, count):
 
 
 @pytest.mark.parametrize(
+    ("rotor", "fold"),
+    [
+        # A fold so close to first touch that its whirl is as large as the one to land on, ...
+        ({"zeta": 4.7e-07, "delta0": 0.00111, "friction": 4.06e-4}, 0),
+        ({"zeta": 1e-7, "delta0": 6.3e-6}, 0),
+        # ... and a resonance so sharp that at the rounded speed the two that merge lie apart.
+        ({"zeta": 5.213999653471557e-06, "delta0": 1.000000001, "contact_exponent": 1.0}, 1),
+    ],
+)
+def test_a_jump_lands_on_the_free_whirl_however_near_and_however_sharp_the_fold(rotor, fold):
+    found = jumps(**rotor).isel(fold=fold).squeeze()
+    omega = found.fold_omega.item()
+    free = omega / math.hypot(omega, 2.0 * rotor["zeta"])
+    assert found.landing_amplitude.item() == pytest.approx(free, rel=1e-13)
+
+
+@pytest.mark.parametrize(
     ("function", "values", "message"),
     [
         (folds, {"zeta": 1e-30}, "zeta must be 0 or between 1e-20 and"),

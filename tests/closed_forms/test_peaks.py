@@ -74,6 +74,19 @@ def test_peak_of_a_linear_contact_without_clearance_is_that_of_an_oscillator():
         assert found.peak_omega.item() == pytest.approx(speed, rel=1e-13)
 
 
+@pytest.mark.parametrize("kappa", [0.0, 0.5, 600.0, 1e5])
+def test_at_an_amplitude_of_1_with_friction_the_speed_is_the_root_of_a_quadratic(kappa):
+    zeta, mu, force = 0.016, 0.036, 0.5
+    found = speeds_at_amplitude(
+        1.0, zeta=zeta, delta0=0.5, shaft_stiffness=kappa, contact_exponent=1.0, friction=mu
+    )
+    holding = kappa + force
+    roots = np.roots(
+        [2 * holding - 4 * zeta**2, -4 * mu * zeta * force, -(holding**2) - (mu * force) ** 2]
+    )
+    np.testing.assert_allclose(found, [[roots.max(), np.nan]], rtol=1e-14)
+
+
 def test_backbone_with_a_shaft_is_its_free_whirl():
     law = {"shaft_stiffness": 0.4, "contact_exponent": 1.0}
     found = backbone([0.2, 0.5, 1.5, 10.0], 0.5, **law)

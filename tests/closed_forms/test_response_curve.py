@@ -249,3 +249,17 @@ def test_points_are_dense_where_the_curve_turns():
     turn = np.diff(np.unwrap(np.arctan2(up, across)[long]))
     assert np.hypot(across, up).max() < 0.03
     assert abs(turn).max() < 0.2
+
+
+def test_the_curve_of_a_linear_stator_that_the_free_whirl_just_touches_ends_at_speed_1():
+    """There ``A**2 q**2 - 2 A f q + (1 + mu**2) f**2 = q**2``: q tends to 1 as f vanishes."""
+    mu = 0.25
+    curve = response_curve(
+        zeta=0.0, delta0=1.0, friction=mu, contact_exponent=1.0, limits=(0.0, 2.0), points=40
+    )
+    rub = curve.squeeze().where(curve.squeeze().in_contact == 1, drop=True)
+    force = rub.amplitude - 1.0
+    turning = rub.omega**2
+    balance = np.abs(force * (1.0 + 1j * mu) - turning * rub.amplitude) - turning
+    assert np.abs(balance).max() < 1e-14
+    assert (rub.omega[-1].item(), rub.amplitude[-1].item()) == (1.0, 1.0)

@@ -1,9 +1,9 @@
 """Critical speeds of a rotor system, where its unbalance acts on each, and how sharp each peak is.
 
 1. *Modes*: a speed Omega is critical where an eigenvalue ``s = -d + i Omega`` turns with it. The
-   poles of the response to unbalance, ``(K + s C + s**2 (M - i G)) Q = 0``, are near: they are all
-   there is without damping or gyroscopic moments, else Newton's method begins at them. Where K and
-   C depend on the speed all are sought: see `crossings`.
+   poles of the response to unbalance, ``(K + s C + s**2 (M - i G)) Q = 0``, are near, or the same
+   without damping or gyroscopic moments; Newton's method begins at them. Where K and C depend on
+   the speed all are sought: see `crossings`.
 2. *Antinodes*: neighbouring nodes that move to the same side are a lobe of the shape. The node of a
    lobe that moves most is where unbalance drives the mode best.
 3. *Peaks*: the response to it, as the largest axis of each orbit, and its width where it is
@@ -18,11 +18,11 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from scipy.linalg import eig, lstsq
+from scipy.linalg import lstsq
 from scipy.optimize import brentq, minimize_scalar
 
 from rotor_ida.arrays import ComplexValues, Values
-from rotor_ida.closed_forms.crossings import film_pencil, film_speeds
+from rotor_ida.closed_forms.crossings import film_pencil, film_speeds, pencil_motions
 from rotor_ida.closed_forms.receptances import solved_motions
 from rotor_ida.model.assembly import Assembly
 
@@ -38,8 +38,9 @@ EQUAL, PARALLEL = 1e-7, 0.999
 LOBE = 0.3
 # Part of a peak at which its width is measured, and the relative tolerance of its place.
 HALF_POWER, PLACED = math.sqrt(0.5), 1e-9
-# Most steps of Newton's method: from a pole three to five suffice.
-STEPS = 12
+# Most steps of Newton's method: from a pole three to five suffice. Part of the speed by which they
+# may correct rounding.
+STEPS, ROUNDED = 12, 1e-6
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,12 +85,11 @@ def critical_modes(assembly: Assembly, largest: float) -> list[Mode]:
     (0.994987, 0.1)
     """
     modes: list[Mode] = []
-    same = assembly.gyroscopic is None or assembly.damping is None or bool(assembly.films)
     for speed in _speeds_of_films(assembly, largest) if assembly.films else [0.0]:
         found = _driven_modes(assembly, speed, largest)
         if assembly.films:  # the coefficients are those at the critical speed of one mode
             found = [each for each in found if abs(each.speed - speed) < EQUAL * speed]
-        turning = found if same else _all_turning(assembly, found, largest)
+        turning = _all_turning(assembly, found, largest, speed)
         for mode in sorted(turning, key=lambda each: each.speed):
             if not modes or not _same(mode, modes[-1]):
                 modes.append(mode)
@@ -101,7 +101,7 @@ def _driven_modes(assembly: Assembly, speed: float, largest: float) -> list[Mode
     """Return the modes that unbalance drives, with the coefficients of films at a speed."""
     size = assembly.size
     pencil = film_pencil(assembly, speed) if assembly.films else _pencil(assembly)
-    values, vectors = eig(*pencil)
+    values, vectors = pencil_motions(*pencil)
     moved = np.einsum("njk,ks->jns", assembly.node_rows(), vectors[:size])
     forward, backward = (moved[0] + side * 1j * moved[1] for side in (1.0, -1.0))
     driven, other = ((np.abs(each) ** 2).sum(axis=0) for each in (forward, backward))
@@ -117,36 +117,46 @@ def _driven_modes(assembly: Assembly, speed: float, largest: float) -> list[Mode
     ]
 
 
-def _all_turning(assembly: Assembly, poles: Sequence[Mode], largest: float) -> list[Mode]:
+def _all_turning(
+    assembly: Assembly, poles: Sequence[Mode], largest: float, speed: float
+) -> list[Mode]:
     """Return the modes near poles that turn with the rotor up to a speed, or else the slowest.
 
-    Each is nearer to its pole than that decays, so that poles far beyond the speed have none.
+    Each lies in the reach of its pole, so that poles far beyond the speed have none.
     """
     found: list[Mode] = []
     for pole in sorted(poles, key=_least_speed):
         slowest = min((each.speed for each in found), default=np.inf)
         if _least_speed(pole) > max(largest, slowest):
             break
-        found.append(_turning(assembly, pole))
+        found.append(_turning(assembly, pole, speed))
     return found
 
 
 def _least_speed(pole: Mode) -> float:
-    return pole.speed - abs(pole.decay)
+    return pole.speed - _reach(pole)
 
 
-def _turning(assembly: Assembly, pole: Mode) -> Mode:
+def _reach(pole: Mode) -> float:
+    """Return how far from a pole its mode is looked for."""
+    return max(abs(pole.decay), ROUNDED * pole.speed)
+
+
+def _turning(assembly: Assembly, pole: Mode, speed: float) -> Mode:
     """Return the mode near a pole whose eigenvalue turns with the rotor, by Newton's method.
 
-    Where none is nearer than the pole decays, it is the pole.
+    Where none is nearer than the pole decays, it is the pole. Films have the coefficients of
+    `speed`.
     """
-    damping, turning, mass = (np.asarray(each) for each in
-                              (assembly.damping, assembly.gyroscopic, assembly.mass))  # fmt: skip
+    stiffness, damping, mass = (
+        assembly.stiffness_at(speed), assembly.damping_at(speed), assembly.mass
+    )  # fmt: skip
+    turning = np.zeros_like(mass) if assembly.gyroscopic is None else assembly.gyroscopic
     root, motion = complex(-pole.decay, pole.speed), pole.motion / np.linalg.norm(pole.motion)
     border = np.append(motion, [0.0, 0.0])
     for _ in range(STEPS):
         resisted = damping + root.imag * turning
-        matrix = assembly.stiffness + root * resisted + root**2 * mass
+        matrix = stiffness + root * resisted + root**2 * mass
         by_root = (resisted + 2.0 * root * mass) @ motion
         by_speed = 1j * by_root + root * (turning @ motion)
         rows = np.column_stack([matrix, by_root, by_speed])
@@ -163,7 +173,7 @@ def _turning(assembly: Assembly, pole: Mode) -> Mode:
         root += complex(*step[size : size + 2])
         if abs(complex(*step[size : size + 2])) < PLACED * abs(root):
             break
-    if not abs(root - complex(-pole.decay, pole.speed)) < abs(pole.decay):
+    if not abs(root - complex(-pole.decay, pole.speed)) < _reach(pole):
         return pole
     x, y = np.einsum("njk,k->jn", assembly.node_rows(), motion)
     return Mode(root.imag, -root.real, x + 1j * y, motion)
