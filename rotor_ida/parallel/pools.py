@@ -23,6 +23,7 @@ from multiprocessing import active_children, get_context, parent_process
 import numpy as np
 
 from rotor_ida.arrays import Stop
+from rotor_ida.blas import one_thread
 from rotor_ida.errors import SimulationError
 from rotor_ida.parallel.jobs import IN_FLIGHT, FailedJob, Job, Result, Work
 
@@ -49,7 +50,8 @@ def run_in_pool(
     )
     finished = False
     try:
-        yield from _as_they_end(pool, work, jobs, stop, workers)
+        with one_thread():  # each process, which a pool starts only when there is a job for it
+            yield from _as_they_end(pool, work, jobs, stop, workers)
         finished = True
     except BrokenProcessPool:
         raise SimulationError(f"a worker process died: {CAUSES}") from None

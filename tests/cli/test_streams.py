@@ -185,3 +185,14 @@ def test_what_was_computed_is_printed_even_if_it_cannot_be_kept(
     assert answer.status == 1
     assert json.loads(answer.out)["kind"] == "run"
     assert answer.err == "rotor-ida: cannot write run.nc: No space left on device\n"
+
+
+@pytest.mark.parametrize(("given", "expected"), [(None, "1"), ("3", "3")])
+def test_linear_algebra_has_one_thread_unless_the_environment_says_otherwise(
+    given: str | None, expected: str, monkeypatch: pytest.MonkeyPatch
+):
+    name, seen = "OPENBLAS_NUM_THREADS", []
+    monkeypatch.setenv(name, given) if given else monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr("rotor_ida.cli.program.main", lambda _: seen.append(os.environ[name]) or 0)
+    assert main(["doctor"]) == 0
+    assert (seen, os.environ.get(name)) == ([expected], given)

@@ -41,6 +41,19 @@ def test_every_job_is_done_once_and_keeps_its_number(workers, executor):
     assert ended == {number: number**2 for number in range(20)}
 
 
+def threads_of_blas(_job, _stop):
+    return os.environ.get("OPENBLAS_NUM_THREADS")
+
+
+def test_each_process_has_one_thread_for_linear_algebra(monkeypatch):
+    monkeypatch.delenv("OPENBLAS_NUM_THREADS", raising=False)
+    assert dict(run_all(threads_of_blas, range(2), workers=2, executor="processes")) == {
+        0: "1",
+        1: "1",
+    }
+    assert "OPENBLAS_NUM_THREADS" not in os.environ
+
+
 def test_only_a_few_jobs_are_in_flight():
     taken, ended = [], []
 
