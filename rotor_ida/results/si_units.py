@@ -288,6 +288,8 @@ def si_of(dataset: xr.Dataset, name: str) -> tuple[str, float] | None:
     machine = machine_of(dataset)
     if machine is None:
         return None
+    if name in SPECIAL_VALUES:
+        name = dict(zip(SPECIAL_VALUES, _continued(dataset), strict=False)).get(name, name)
     parameter = VALUES_OF.get(name, name)
     own = IS_OF_MACHINE.get(parameter, parameter)
     if name in {"to", "rate"}:
@@ -364,8 +366,7 @@ def _attributes_in_si(
     speed, unit = chosen["rad s-1"]
     rate = speed * machine.reference_frequency
     chosen["rad s-2"] = (rate, "s-2" if unit == "s-1" else f"{unit} s-1")
-    continued = str(dataset.attrs.get("parameter", dataset.attrs.get("parameters", "")))
-    ends = tuple(unit_of_parameter(name) for name in continued.split() for _ in ("low", "high"))
+    ends = tuple(unit_of_parameter(name) for name in _continued(dataset) for _ in ("low", "high"))
     found: dict[str, object] = {}
     for name, each in {**UNITS_OF_ARGUMENTS, "limits": ends}.items():
         if each and name in dataset.attrs and np.asarray(dataset.attrs[name]).dtype.kind == "f":
@@ -376,6 +377,11 @@ def _attributes_in_si(
             found[f"{name}_units"] = ", ".join(dict.fromkeys(unit for _, unit in pairs))
             found[f"{EXACT}_{name}"] = dataset.attrs[name]
     return found
+
+
+def _continued(dataset: xr.Dataset) -> list[str]:
+    """Return the parameters over which a result was continued."""
+    return str(dataset.attrs.get("parameter", dataset.attrs.get("parameters", ""))).split()
 
 
 def _attributes_before(dataset: xr.Dataset) -> dict[str, object]:

@@ -15,6 +15,7 @@ from rotor_ida import (
     compare,
     contact_forces,
     contact_summary,
+    continue_cycle,
     dimensional,
     load,
     rotating,
@@ -156,6 +157,19 @@ def test_an_archive_in_si_units_tells_start_and_time_in_them(plain):
     assert told["duration"] == pytest.approx(plain.attrs["duration"] * MACHINE.time_scale)
     scales = [MACHINE.length_scale] * 2 + [MACHINE.velocity_scale] * 2
     np.testing.assert_allclose(told["start"], plain.attrs["start"] * scales, rtol=1e-15)
+
+
+def test_special_points_of_a_branch_in_si_units_tell_the_parameter_in_them():
+    """Where the cycle just touches, the clearance is its least radius, in the next columns."""
+    start = np.multiply((2.6, 0.75, 0.66, -1.65), [MACHINE.length_scale] * 2
+                        + [MACHINE.velocity_scale] * 2)  # fmt: skip
+    branch = continue_cycle(MACHINE, start=start, parameter="clearance", limits=(9e-6, 1.1e-5),
+                            points=12)  # fmt: skip
+    _, (_, specials, *_) = describe(branch)
+    heads, *rows = specials.cells()
+    (graze,) = (dict(zip(heads, row, strict=True)) for row in rows if "graze" in row)
+    assert float(graze["clearance [um]"]) == pytest.approx(9.09, abs=0.05)
+    assert float(graze["clearance [um]"]) == pytest.approx(float(graze["radius min [um]"]), 1e-5)
 
 
 def test_the_table_of_a_sweep_in_si_units_has_them_in_its_heads():
