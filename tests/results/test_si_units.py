@@ -145,6 +145,8 @@ def test_responses_in_si_units_are_compared_with_exact_ones_in_them():
     )
     compared = compare(swept)
     assert compared.exact_radius_max.attrs["units"] == "m"
+    heads, row = describe(compared)[1][0].cells()
+    assert (heads[0], row[0]) == ("clearance [um]", "2.5")  # half of the eccentricity
     scale = MACHINE.length_scale
     plain = branches_through(compare(dimensionless(swept)), limits=(2.6, 3.1))
     limits = (2.6 * MACHINE.reference_frequency, 3.1 * MACHINE.reference_frequency)
