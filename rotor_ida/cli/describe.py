@@ -35,7 +35,7 @@ from rotor_ida.results.checked_run import course_of
 from rotor_ida.results.dataset_kinds import KINDS, OTHER, kind_of, loaded
 from rotor_ida.results.depths import beyond_model
 from rotor_ida.results.growth_words import stability_words
-from rotor_ida.results.sheets import Line, Range, Sheet, facts, table
+from rotor_ida.results.sheets import Line, Range, Sheet, facts
 from rotor_ida.results.si_units import MACHINE
 from rotor_ida.schema import ENDS_IN_WORDS, RESPONSE, words_of
 from rotor_ida.schema.quantities import SPECIAL_VALUES, UNITS
@@ -424,8 +424,9 @@ def show_comparison(dataset: xr.Dataset, most: int | None) -> Description:
     # only the kinds of response that occur
     none = {name for name in RESPONSE if all(row.get(name) == 0 for row in summary)}
     title = "On an exact whirl or limit cycle, by clearance"
-    columns = [name for name in summary[0] if name not in none]
-    return record, [table(title, summary, columns), *parts]
+    columns = [line_of(dataset, name, [row[name] for row in summary])
+               for name in summary[0] if name not in none]  # fmt: skip
+    return record, [Sheet(title, columns), *parts]
 
 
 def show_cycle(dataset: xr.Dataset, most: int | None) -> Description:

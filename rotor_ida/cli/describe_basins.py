@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from itertools import product
+from collections.abc import Iterator, Sequence
+from itertools import chain
 
 import numpy as np
 import xarray as xr
@@ -28,7 +29,9 @@ from rotor_ida.cli.variables import (
 from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
 from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM, SPEED
 from rotor_ida.results.sheets import Line, Parts, Range, Sheet, facts
+from rotor_ida.results.si_units import si_of
 from rotor_ida.schema import by_number, flags_of
+from rotor_ida.units import read_in
 
 ATTRACTORS = Rows(
     title="Attractors", key="attractors", lead="kind", digits=6,
@@ -145,9 +148,7 @@ def show_touchdown(dataset: xr.Dataset, most: int | None) -> Description:
         told_of = [f"{word}{end}" for word in ENDS for end in ("", "_end")]
         names = [name for name in ALL_PARAMETERS
                  if all(f"{name}_{each}" in rows[0] for each in told_of)]  # fmt: skip
-        for name, word in product(names, ENDS):
-            ends = [_end(row, f"{name}_{word}") for row in rows]
-            lines.append(Line(f"{name} {ENDS[word]}", ends))
+        lines += [line for name in names for line in _extents(dataset, name, rows)]
     title = counted("Attractors", len(rows), None)
     parts: Parts = [Sheet(title, lines, heads) if lines else title]
     if all(name in dataset for name in SHOCK):
@@ -193,9 +194,15 @@ def _shocks(dataset: xr.Dataset) -> dict[tuple[int, int], Record]:
     return shocks
 
 
-def _end(row: Record, name: str) -> str:
-    """Return an end of the values of a parameter at which an attractor exists, and its kind."""
-    kind = str(row[f"{name}_end"]).replace("_", " ")
-    if kind == "not found":
-        return "?"
-    return f"{row[name]:.5g}" if kind == "none" else f"{row[name]:.5g} {kind}"
+def _extents(dataset: xr.Dataset, name: str, rows: Sequence[Record]) -> Iterator[Line]:
+    """Yield a line for each end of the values of a parameter at which the attractors exist."""
+    label, scale = si_of(dataset, name) or (name, 1.0)
+    words, _, unit = label.removesuffix("]").partition(" [")
+    places = {word: [scale * float(str(row[f"{name}_{word}"])) for row in rows] for word in ENDS}
+    shown_unit, parts = read_in(unit or "1", chain(*places.values()))
+    for word, values in places.items():
+        kinds = [str(row[f"{name}_{word}_end"]).replace("_", " ") for row in rows]
+        ends = ["?" if kind == "not found"
+                else f"{value / parts:.5g}{'' if kind == 'none' else f' {kind}'}"
+                for value, kind in zip(values, kinds, strict=True)]  # fmt: skip
+        yield Line(f"{words} {ENDS[word]}{f' [{shown_unit}]' * bool(shown_unit)}", ends)

@@ -28,7 +28,7 @@ UNITS_OF_ARGUMENTS: dict[str, tuple[str, ...]] = {
     **dict.fromkeys(("samples", "start_period", "record_length"), ("s",)),
     **{f"range_{name}": (unit,) for name, unit in zip(("x", "y", "vx", "vy"), _STATE, strict=True)},
     "to": ("rad s-1",), "rate": ("rad s-2",), "speeds": ("s", "rad s-1"),
-    "torque": ("N m", "N m s"), "inertia": ("kg m2",),
+    "torque": ("N m", "N m s"), "inertia": ("kg m2",), "slope": ("N m s",),
 }  # fmt: skip
 # The same with what messages name beside arguments; those of a parameter that sets the scales, and
 # numbers without a unit, are left out.

@@ -36,8 +36,11 @@ SCALES = (1e-200, 1e200)
 # Attributes of a changing speed, and the one with the note of a rotor system.
 OF_CHANGE = ("speed", "to", "rate", "speeds", "torque", "inertia")
 NOTE = "note"
-# Speeds that are relative to the reference frequency, also in SI units.
-SPEEDS = ("omega", "fold_omega", "hopf_omega", "jump_omega", "birth_omega", "cusp_omega")
+# Results that are values of a parameter, and stay dimensionless in SI units as it does.
+VALUES_OF = {
+    **{f"{of}_omega": "omega" for of in ("fold", "hopf", "jump", "birth", "cusp", "peak")},
+    "cusp_zeta": "zeta",
+}  # fmt: skip
 
 
 def dimensional(
@@ -55,8 +58,9 @@ def dimensional(
     machine : DimensionalRotor, optional
         The machine; required for a dimensionless result.
     units : mapping of str to str, optional
-        Units other than m, s, m/s, N, N s, J and 1/s, by kind: ``length``, ``time``, ``velocity``,
-        ``force``, ``impulse`` or ``energy``, such as ``{"length": "µm", "time": "ms"}``. Prefixes
+        Units other than m, s, m/s, N, N s, J, N m and 1/s, by kind: ``length``, ``time``,
+        ``velocity``, ``force``, ``impulse``, ``energy`` or ``torque``, such as
+        ``{"length": "µm", "time": "ms"}``. Prefixes
         are p, n, µ (or u), m, k and M. A ``speed`` that changes is in ``rad/s`` or ``rpm``.
         Figures show the chosen units, and a suitable prefix, such as µm, for the others.
 
@@ -284,18 +288,20 @@ def si_of(dataset: xr.Dataset, name: str) -> tuple[str, float] | None:
     machine = machine_of(dataset)
     if machine is None:
         return None
-    own = IS_OF_MACHINE.get(name, name)
-    if name in SPEEDS:
-        own, unit = f"{name.removesuffix('omega')}speed", "rad s-1"
-    elif name in {"to", "rate"}:
+    if name in SPECIAL_VALUES:
+        name = dict(zip(SPECIAL_VALUES, _continued(dataset), strict=False)).get(name, name)
+    parameter = VALUES_OF.get(name, name)
+    own = IS_OF_MACHINE.get(parameter, parameter)
+    if name in {"to", "rate"}:
         (unit,) = UNITS_OF_ARGUMENTS[name]
-    elif name in ALL_PARAMETERS and OF_MACHINE[own].unit != "1":
+    elif parameter in ALL_PARAMETERS and OF_MACHINE[own].unit != "1":
         unit = OF_MACHINE[own].unit
     else:
         return None
     shown_unit = {"rad s-1": "rpm", "rad s-2": "rpm/s"}.get(unit) or OF_MACHINE[own].shown_unit
     in_one = SPEED_UNITS["rpm"] if unit.startswith("rad") else 1.0
-    return f"{own} [{shown_unit}]".replace("_", " "), unit_scale(machine, unit) / in_one
+    words = f"{name.removesuffix(parameter)}{own}".replace("_", " ")
+    return f"{words} [{shown_unit}]", unit_scale(machine, unit) / in_one
 
 
 def scale_of(dataset: xr.Dataset, kind: str) -> float:
@@ -342,6 +348,7 @@ def scales_of(machine: DimensionalRotor) -> dict[str, float]:
         "force": machine.force_scale,
         "impulse": machine.force_scale * machine.time_scale,
         "energy": machine.force_scale * machine.length_scale,
+        "torque": machine.torque_scale,
         "rate": machine.reference_frequency,
         "speed": machine.reference_frequency,
     }
@@ -359,8 +366,7 @@ def _attributes_in_si(
     speed, unit = chosen["rad s-1"]
     rate = speed * machine.reference_frequency
     chosen["rad s-2"] = (rate, "s-2" if unit == "s-1" else f"{unit} s-1")
-    continued = str(dataset.attrs.get("parameter", dataset.attrs.get("parameters", "")))
-    ends = tuple(unit_of_parameter(name) for name in continued.split() for _ in ("low", "high"))
+    ends = tuple(unit_of_parameter(name) for name in _continued(dataset) for _ in ("low", "high"))
     found: dict[str, object] = {}
     for name, each in {**UNITS_OF_ARGUMENTS, "limits": ends}.items():
         if each and name in dataset.attrs and np.asarray(dataset.attrs[name]).dtype.kind == "f":
@@ -371,6 +377,11 @@ def _attributes_in_si(
             found[f"{name}_units"] = ", ".join(dict.fromkeys(unit for _, unit in pairs))
             found[f"{EXACT}_{name}"] = dataset.attrs[name]
     return found
+
+
+def _continued(dataset: xr.Dataset) -> list[str]:
+    """Return the parameters over which a result was continued."""
+    return str(dataset.attrs.get("parameter", dataset.attrs.get("parameters", ""))).split()
 
 
 def _attributes_before(dataset: xr.Dataset) -> dict[str, object]:

@@ -35,7 +35,7 @@ from rotor_ida.schema.flags import (
 # SI units by the scale of a machine, and those of systems that no scale of a machine has.
 UNITS = {
     "length": "m", "time": "s", "velocity": "m s-1", "force": "N", "impulse": "N s",
-    "energy": "J", "rate": "s-1", "speed": "s-1",
+    "energy": "J", "torque": "N m", "rate": "s-1", "speed": "s-1",
 }  # fmt: skip
 OTHER_UNITS = {
     "law_damping": "s m-1", "race_inertia": "kg m2", "race_drag": "N m s", "stator_mass": "kg",
@@ -475,7 +475,7 @@ QUANTITIES: dict[str, Quantity] = {
     "in_contact": Quantity("whether the synchronous whirl touches the stator", flags=NO_YES),
     "point": Quantity("number of the point along the curve"),
     "piece": Quantity("number of the connected piece of the curve, -1 after its last point"),
-    "torque": Quantity("torque that maintains the speed on the synchronous whirl"),
+    "torque": Quantity("torque that maintains the speed on the synchronous whirl", scale="torque"),
     "driven_stability": Quantity(
         "stability of the synchronous whirl where a drive maintains the speed", flags=STABILITY
     ),
@@ -493,7 +493,9 @@ QUANTITIES: dict[str, Quantity] = {
         "direction in which the speed passes the fold from a stable whirl", flags=PASSAGE
     ),
     "rate": Quantity("magnitude of the rate of change of the spin speed"),
-    "jump_omega": Quantity("spin speed at which the rotor has jumped from the fold"),
+    "jump_omega": Quantity(
+        "spin speed at which the rotor has jumped from the fold, over the reference frequency"
+    ),
     "hopf": Quantity("number of the Hopf point, in order of speed"),
     "hopf_omega": Quantity("spin speed of the Hopf point over the reference frequency"),
     "hopf_amplitude": length("amplitude of the synchronous whirl at the Hopf point"),
@@ -509,10 +511,14 @@ QUANTITIES: dict[str, Quantity] = {
     "birth_omega": Quantity("lowest spin speed of dry whip over the reference frequency"),
     "landing_amplitude": length("amplitude of the other whirl at a fold"),
     "cusp_zeta": Quantity("damping ratio at the cusp, above which the response curve has no fold"),
-    "cusp_omega": Quantity("spin speed at the cusp, where the last folds merge"),
+    "cusp_omega": Quantity(
+        "spin speed at the cusp, where the last folds merge, over the reference frequency"
+    ),
     "cusp_amplitude": length("amplitude at the cusp, where the last folds merge"),
     "peak_amplitude": length("largest amplitude of a contacting whirl"),
-    "peak_omega": Quantity("spin speed at which the amplitude is largest"),
+    "peak_omega": Quantity(
+        "spin speed at which the amplitude is largest, over the reference frequency"
+    ),
     "peak_contact_force": force("contact force where the amplitude is largest"),
     "indentation": length("indentation of the contact"),
     "rest_stability": Quantity("stability of the rest position", flags=STABILITY),

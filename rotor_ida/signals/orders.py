@@ -404,8 +404,10 @@ def _changing(
     fewest = int(np.diff(windows.edges).min())
     if ahead and fewest > 2 * int((degrees + 1).sum()):
         return fit_orders(record, windows, signed, degrees)
-    slopes = np.gradient(constant.amplitudes, 2.0 * (1.0 - overlap), axis=0)
-    found = fit_orders(record, windows, signed, slopes=slopes)
+    found = constant
+    for _ in range(2):  # the change of one order distorts all others, and so their changes
+        slopes = np.gradient(found.amplitudes, 2.0 * (1.0 - overlap), axis=0)
+        found = fit_orders(record, windows, signed, slopes=slopes)
     better = found.residual < constant.residual
     return Orders(*(
         np.where(better if new.ndim == 1 else better[:, np.newaxis], new, old)

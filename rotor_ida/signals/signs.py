@@ -70,9 +70,21 @@ class Lines(NamedTuple):
         return float(self.height[np.abs(self.order - order).argmin()]) if inside else 0.0
 
     def clear(self, order: float) -> float:
-        """Return the largest amplitude about an order; 0 if it is not clear of the noise."""
-        amplitude = self.height[np.abs(self.order - order) <= self.width].max(initial=0.0)
-        return float(amplitude) if amplitude > self.least else 0.0
+        """Return the largest amplitude about an order; 0 if it is not clear of the noise.
+
+        Where that is the flank of a line further away, it is the amplitude at the order itself.
+        """
+        near = np.flatnonzero(np.abs(self.order - order) <= self.width)
+        if not near.size:
+            return 0.0
+        place = near[self.height[near].argmax()]
+        is_flank = self.height[place] < self.height[self._around(place)].max()
+        amplitude = self.at(order) if is_flank else float(self.height[place])
+        return amplitude if amplitude > self.least else 0.0
+
+    def _around(self, place: int) -> slice:
+        """Return the places over which a line at a place may spread."""
+        return slice(max(place - BESIDE, 0), place + BESIDE + 1)
 
     def strongest(self, far: Flags) -> tuple[float, float]:
         """Return order and amplitude of the strongest line at chosen orders; NaN and 0 if none.
@@ -80,7 +92,7 @@ class Lines(NamedTuple):
         Its order is the centre of power over its width.
         """
         for place in np.argsort(np.where(far, -self.height, 0.0)):
-            near = slice(max(place - BESIDE, 0), place + BESIDE + 1)
+            near = self._around(place)
             height, order = self.height[near], self.order[near]
             if not far[place] or self.height[place] <= self.least:
                 break

@@ -188,7 +188,7 @@ def scatter_between(amplitudes: Complex, windows: Windows, overlap: float) -> Va
     given less weight.
     """
     errors = np.zeros(amplitudes.shape)
-    for part in _stretches(windows.speeds):
+    for part in _stretches(windows.speeds, overlap):
         within, speeds = amplitudes[part], windows.speeds[part]
         count = within.shape[0] * (1.0 - overlap)
         terms = 1 if np.ptp(speeds) <= STEADY * abs(speeds[0]) else MOST_TERMS
@@ -198,12 +198,17 @@ def scatter_between(amplitudes: Complex, windows: Windows, overlap: float) -> Va
     return errors
 
 
-def _stretches(speeds: Values) -> Iterator[slice]:
-    """Yield slices of neighbouring windows in which the speed changes little."""
-    first, fewest = 0, MOST_TERMS * WINDOWS_A_TERM
+def _stretches(speeds: Values, overlap: float) -> Iterator[slice]:
+    """Yield slices of neighbouring windows in which the speed changes little.
+
+    Windows that overlap are as many as make up the same number of windows side by side.
+    """
+    fewest, most = (round(each / (1.0 - overlap))
+                    for each in (MOST_TERMS * WINDOWS_A_TERM, MOST_WINDOWS))  # fmt: skip
+    first = 0
     while first < speeds.size:
-        ahead = speeds[first : first + MOST_WINDOWS]
-        if speeds.size - first < 2 * MOST_WINDOWS:
+        ahead = speeds[first : first + most]
+        if speeds.size - first < 2 * most:
             ahead = speeds[first:]
         span = np.maximum.accumulate(ahead) - np.minimum.accumulate(ahead)
         length = int(np.searchsorted(span, SPEED_SPAN * abs(ahead[0]), side="right"))

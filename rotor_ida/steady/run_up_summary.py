@@ -109,7 +109,9 @@ def summary(run: xr.Dataset, *, running_speed: float | None = None) -> xr.Datase
 
     Notes
     -----
-    Without a contact the largest radius is that of the samples. The sentence warns where the
+    Without a contact the largest radius is that of the samples. With contact damping
+    ``largest_force_speed`` of one disc is the speed at the largest indentation of that contact,
+    shortly after the largest force. The sentence warns where the
     contact law is invalid: if the indentation exceeds a tenth of the disc's radius or, for a
     machine in SI units, the clearance.
 

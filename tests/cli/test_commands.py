@@ -392,8 +392,11 @@ def test_touchdown_prints_json_in_full_precision(program: Program):
 def test_touchdown_is_a_table_with_units(program: Program):
     answer = program("touchdown", *MACHINE, *NEAR, "--shocks", 256)
     assert (answer.status, answer.err) == (0, "")
-    for words in ("largest force [N]", "velocity shock [mm/s]", "omega from", "basin entropy"):
+    for words in ("largest force [N]", "velocity shock [mm/s]", "speed from [rpm]",
+                  "damping to [N s/m]", "clearance to [um]", "basin entropy"):  # fmt: skip
         assert words in answer.out
+    touches = 2.0 / np.hypot(2.0, 2.0 * 0.07)  # of an eccentricity of 1 um
+    assert re.search(rf"clearance from \[um\]\s+0 contact_free +{touches:.5g} touch", answer.out)
     assert re.search(r"agreement +1\b", answer.out)
 
 

@@ -15,6 +15,7 @@ from rotor_ida import (
     compare,
     contact_forces,
     contact_summary,
+    continue_cycle,
     dimensional,
     load,
     rotating,
@@ -24,8 +25,9 @@ from rotor_ida import (
     sweep,
 )
 from rotor_ida.cli.describe import describe
+from rotor_ida.closed_forms import cusp, peaks, sommerfeld_curve
 from rotor_ida.plot import plot_extrema
-from rotor_ida.results.si_units import dimensionless
+from rotor_ida.results.si_units import VALUES_OF, dimensionless, si_of
 from rotor_ida.schema import QUANTITIES, labelled
 from rotor_ida.schema.quantities import UNITS
 from tests.witness import HOW, Disc, followed, in_units
@@ -55,6 +57,34 @@ def test_every_quantity_has_the_unit_and_the_scale_of_its_kind(plain, analysed):
             )
         else:
             assert shown[name].identical(plain[name].assign_coords(shown[name].coords))
+
+
+def test_the_torque_of_a_whirl_in_si_units_does_the_work_of_damping():
+    """Power balance in SI units: torque times speed is the damping times (amplitude speed)^2."""
+    curve = sommerfeld_curve(MACHINE.rotor(), limits=(0.5, 3.0), inertia=20.0, slope=0.3)
+    shown = dimensional(curve, MACHINE)
+    speed = curve.omega * math.sqrt(1e9 * math.sqrt(5e-6) / 4.0)
+    np.testing.assert_allclose(shown.torque, 418.0 * shown.amplitude**2 * speed, rtol=1e-13)
+    assert shown.torque.attrs["units"] == "N m"
+    assert shown.attrs["slope"] == pytest.approx(
+        0.3 * 4.0 * 5e-6**2 * math.sqrt(1e9 * math.sqrt(5e-6) / 4.0), rel=1e-14
+    )
+    assert shown.attrs["slope_units"] == "N m s"
+    assert dimensionless(shown).attrs["slope"] == 0.3
+
+
+def test_peaks_and_cusps_of_a_machine_are_read_in_its_units():
+    reference = math.sqrt(1e9 * math.sqrt(5e-6) / 4.0)
+    peak = dimensional(peaks(MACHINE.rotor()), MACHINE)
+    ends = dimensional(cusp(delta0=2.0), MACHINE)
+    label, scale = si_of(peak, "peak_omega")
+    assert (label, scale) == ("peak speed [rpm]", pytest.approx(reference * 30.0 / math.pi))
+    assert si_of(ends, "cusp_zeta") == (
+        "cusp damping [N s/m]", pytest.approx(2.0 * 4.0 * reference, rel=1e-14)
+    )  # fmt: skip
+    assert si_of(ends, "cusp_omega")[0] == "cusp speed [rpm]"
+    for name in (name for name in VALUES_OF if VALUES_OF[name] == "omega"):
+        assert QUANTITIES[name].long_name.endswith("over the reference frequency")
 
 
 def test_parameters_beyond_the_papers_stay_and_forces_follow_the_contact_law():
@@ -115,6 +145,8 @@ def test_responses_in_si_units_are_compared_with_exact_ones_in_them():
     )
     compared = compare(swept)
     assert compared.exact_radius_max.attrs["units"] == "m"
+    heads, row = describe(compared)[1][0].cells()
+    assert (heads[0], row[0]) == ("clearance [um]", "2.5")  # half of the eccentricity
     scale = MACHINE.length_scale
     plain = branches_through(compare(dimensionless(swept)), limits=(2.6, 3.1))
     limits = (2.6 * MACHINE.reference_frequency, 3.1 * MACHINE.reference_frequency)
@@ -127,6 +159,19 @@ def test_an_archive_in_si_units_tells_start_and_time_in_them(plain):
     assert told["duration"] == pytest.approx(plain.attrs["duration"] * MACHINE.time_scale)
     scales = [MACHINE.length_scale] * 2 + [MACHINE.velocity_scale] * 2
     np.testing.assert_allclose(told["start"], plain.attrs["start"] * scales, rtol=1e-15)
+
+
+def test_special_points_of_a_branch_in_si_units_tell_the_parameter_in_them():
+    """Where the cycle just touches, the clearance is its least radius, in the next columns."""
+    start = np.multiply((2.6, 0.75, 0.66, -1.65), [MACHINE.length_scale] * 2
+                        + [MACHINE.velocity_scale] * 2)  # fmt: skip
+    branch = continue_cycle(MACHINE, start=start, parameter="clearance", limits=(9e-6, 1.1e-5),
+                            points=12)  # fmt: skip
+    _, (_, specials, *_) = describe(branch)
+    heads, *rows = specials.cells()
+    (graze,) = (dict(zip(heads, row, strict=True)) for row in rows if "graze" in row)
+    assert float(graze["clearance [um]"]) == pytest.approx(9.09, abs=0.05)
+    assert float(graze["clearance [um]"]) == pytest.approx(float(graze["radius min [um]"]), 1e-5)
 
 
 def test_the_table_of_a_sweep_in_si_units_has_them_in_its_heads():

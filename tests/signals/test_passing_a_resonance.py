@@ -10,11 +10,11 @@ from rotor_ida.plot import plot_bode
 CRITICAL = 2.0 * np.pi * 40.0
 
 
-def passing(zeta, noise=0.0, seed=0, mean=0.0):
-    """Return steady whirls ``10 r^2/(1 - r^2 + 2 i zeta r)`` [um] as the speed falls slowly."""
-    times = np.arange(60_000) / 2000.0
-    r = 2.0 - 1.7 * times / 30.0
-    angles = CRITICAL * (2.0 * times - 0.85 * times**2 / 30.0)
+def passing(zeta, noise=0.0, seed=0, mean=0.0, seconds=30.0):
+    """Return steady whirls ``10 r^2/(1 - r^2 + 2 i zeta r)`` [um] as the speed falls."""
+    times = np.arange(round(2000.0 * seconds)) / 2000.0
+    r = 2.0 - 1.7 * times / seconds
+    angles = CRITICAL * (2.0 * times - 0.85 * times**2 / seconds)
     z = 10.0 * r**2 / (1.0 - r**2 + 2j * zeta * r) * np.exp(1j * angles) + mean
     x, y = noise * np.random.default_rng(seed).normal(size=(2, times.size))
     variables = {
@@ -38,6 +38,33 @@ def test_standard_errors_are_the_scatter_over_seeds_on_and_off_resonance(noise, 
     for low, high in ((0.3, 0.6), (0.8, 0.95), (0.95, 1.05), (1.05, 1.2), (1.4, 1.9)):
         part = (ratio > low) & (ratio < high)
         assert np.sqrt(errors[part].mean() / squares[part].mean()) == pytest.approx(1.0, abs=0.2)
+
+
+@pytest.mark.parametrize("revolutions", [1, 2])
+def test_the_amplitude_in_a_window_is_the_mean_of_that_of_the_motion(revolutions):
+    """Told by the amplitude that the record was made with, on each side of the peak and on it."""
+    signals = passing(0.02)
+    found = orders(signals, revolutions=revolutions)
+    angles = signals["angle"].values
+    still = (signals.x + 1j * signals.y).values * np.exp(-1j * angles)
+    turns = ((angles - angles[0]) / (2.0 * np.pi * revolutions) + 1e-9).astype(int)
+    size = found.sizes["window"]
+    counts = np.bincount(turns)[:size]
+    parts = [np.bincount(turns, each)[:size] / counts for each in (still.real, still.imag)]
+    made = np.hypot(*parts)
+    apart = np.abs(found.forward_whirl_amplitude.values[:, 0] - made)
+    assert (apart / made.max()).max() < 2e-4
+
+
+@pytest.mark.parametrize("overlap", [0.5, 0.9])
+def test_windows_that_overlap_keep_their_errors_and_show_the_peak(overlap):
+    signals = passing(0.05, 0.2, seconds=3.0)
+    apart, over = (orders(signals, overlap=each) for each in (0.0, overlap))
+    near = [abs(each.speed.values / CRITICAL - 1.0) < 0.05 for each in (apart, over)]
+    sizes = [np.sqrt(np.mean(each.forward_amplitude_error.values[part, 0] ** 2))
+             for each, part in zip((apart, over), near, strict=True)]  # fmt: skip
+    assert sizes[1] < 10.0 * sizes[0]  # 130 and 300 times, by a curve over too few revolutions
+    assert float(bode_peaks(over).critical_speed[0]) == pytest.approx(CRITICAL, rel=1e-2)
 
 
 @pytest.mark.parametrize("revolutions", [1, 2, 8])

@@ -53,6 +53,13 @@ def test_the_line_is_found_and_told_also_in_noise(lines, order, words):
         assert words in found.attrs["sentence"]
 
 
+def test_a_line_beside_minus_1x_makes_no_ellipse():
+    """Its flank reaches the orders that are not told apart from -1X, where nothing is."""
+    found = rub_signs(record(turns=100, xm1_06506=0.06, x0_312=2.0))
+    assert found["backward_whirl_amplitude"].item() < 1e-4
+    assert "ellipse" not in found.attrs["sentence"]
+
+
 def test_slow_changes_are_no_lines():
     """A speed that drifts, a 1X that grows and shrinks, and a mean that jumps."""
     whole, t = record(), record()["t"].values
