@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from rotor_ida import (
     Bearing,
@@ -186,6 +187,32 @@ def test_a_given_unbalance_rubs_as_the_exact_whirls_do():
     assert report.attrs["sentence"].splitlines()[1].startswith("Contact 0 at 'disc' touches: ")
     assert "Without friction there is no dry whip." in report.attrs["sentence"]
     assert "at a speed of" in report.attrs["sentence"]
+
+
+def test_the_hardest_rub_lies_between_the_speeds_of_the_report():
+    """At the peak of the exact response, where two speeds of the same amplitude meet."""
+    zeta, shaft, clearance = 0.07, 0.2, 0.5
+    system = replace(DISC, mass=np.eye(2), stiffness=shaft * np.eye(2),
+                     damping=2.0 * zeta * np.eye(2), units="1")  # fmt: skip
+    report = clearance_report(
+        system, speed=(1.5, 2.2), multiple=1.0, vibration_limit=1000.0,
+        contacts=[Contact(node="disc", clearance=clearance, stiffness=1.0)],
+        unbalance=[Unbalance(node="disc", moment=1.0 / 6.0)],
+    )  # fmt: skip
+
+    # A**2 ((S - q)**2 + 4 zeta**2 q) = q**2 with q = W**2 has one root q where this vanishes
+    def unequal(amplitude):
+        stiffness = shaft + (amplitude - clearance) ** 1.5 / amplitude
+        least = amplitude**2 * (stiffness - 2.0 * zeta**2) ** 2
+        return least - (amplitude**2 - 1.0) * stiffness**2
+
+    amplitude = brentq(unequal, 2.0, 40.0, xtol=1e-14)
+    stiffness = shaft + (amplitude - clearance) ** 1.5 / amplitude
+    speed = amplitude * math.sqrt((stiffness - 2.0 * zeta**2) / (amplitude**2 - 1.0))
+    for name in ("rub", "passage_rub"):
+        assert report[f"{name}_force"].item() == pytest.approx((amplitude - clearance) ** 1.5)
+        assert report[f"{name}_speed"].item() == pytest.approx(speed)
+        assert decode_flags(report)[f"{name}_stability"].item() == "stable"
 
 
 def test_a_scale_factor_below_1_is_said_beside_the_verdict():
