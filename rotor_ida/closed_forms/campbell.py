@@ -79,7 +79,9 @@ def campbell(
     The eigenvalues L of ``M q'' + (C + Omega G) q' + K q = 0``: whirl speed ``Im L``, damping ratio
     ``-Re L/|L|``. In an axisymmetric system each motion is a circle, forward or backward. Otherwise
     it is an ellipse, and its sense that of the larger of its two circles, summed over the nodes.
-    Forward is the sense of the spin; at rest, that from x to y.
+    Forward is the sense of the spin; at rest, that from x to y. Axes whose stiffness differs by
+    less than about 1e-7 count as equal: two eigenvalues that differ by half of that are then told
+    as those of one circle forward and one backward, at their mean.
 
     At a critical speed W an eigenvalue is ``-d + i W`` in a damped system too, at the spin speed W.
     How many speeds are given does not matter to them: see `rotor_ida.closed_forms.crossings`.

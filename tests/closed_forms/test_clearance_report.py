@@ -5,12 +5,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from rotor_ida import (
     Bearing,
     Contact,
     InputError,
     RotorSystem,
+    Stator,
     Unbalance,
     clearance_report,
     decode_flags,
@@ -186,6 +188,32 @@ def test_a_given_unbalance_rubs_as_the_exact_whirls_do():
     assert report.attrs["sentence"].splitlines()[1].startswith("Contact 0 at 'disc' touches: ")
     assert "Without friction there is no dry whip." in report.attrs["sentence"]
     assert "at a speed of" in report.attrs["sentence"]
+
+
+def test_the_hardest_rub_lies_between_the_speeds_of_the_report():
+    """At the peak of the exact response, where two speeds of the same amplitude meet."""
+    zeta, shaft, clearance = 0.07, 0.2, 0.5
+    system = replace(DISC, mass=np.eye(2), stiffness=shaft * np.eye(2),
+                     damping=2.0 * zeta * np.eye(2), units="1")  # fmt: skip
+    report = clearance_report(
+        system, speed=(1.5, 2.2), multiple=1.0, vibration_limit=1000.0,
+        contacts=[Contact(node="disc", clearance=clearance, stiffness=1.0)],
+        unbalance=[Unbalance(node="disc", moment=1.0 / 6.0)],
+    )  # fmt: skip
+
+    # A**2 ((S - q)**2 + 4 zeta**2 q) = q**2 with q = W**2 has one root q where this vanishes
+    def unequal(amplitude):
+        stiffness = shaft + (amplitude - clearance) ** 1.5 / amplitude
+        least = amplitude**2 * (stiffness - 2.0 * zeta**2) ** 2
+        return least - (amplitude**2 - 1.0) * stiffness**2
+
+    amplitude = brentq(unequal, 2.0, 40.0, xtol=1e-14)
+    stiffness = shaft + (amplitude - clearance) ** 1.5 / amplitude
+    speed = amplitude * math.sqrt((stiffness - 2.0 * zeta**2) / (amplitude**2 - 1.0))
+    for name in ("rub", "passage_rub"):
+        assert report[f"{name}_force"].item() == pytest.approx((amplitude - clearance) ** 1.5)
+        assert report[f"{name}_speed"].item() == pytest.approx(speed)
+        assert decode_flags(report)[f"{name}_stability"].item() == "stable"
 
 
 def test_a_scale_factor_below_1_is_said_beside_the_verdict():
@@ -384,3 +412,39 @@ def test_critical_speeds_of_fine_finite_elements_are_those_of_one_plane(turns, d
     assert speeds.size == 3
     # the bearings' damping of 1e3 N s/m moves them by parts of a thousand
     np.testing.assert_allclose(found, speeds, rtol=5e-3 if damped else 1e-9)
+
+
+def two_discs(stiffness, *, films, **parts):
+    """Two discs, each on its own bearing or spring; damped."""
+    held = [] if films else stiffness
+    tables = [
+        Bearing(node=name, speed=[0.1, 1.0, 3.0], stiffness=[value] * 3, damping=[0.05] * 3)
+        for name, value in zip(("one", "other"), stiffness, strict=True) if films
+    ]  # fmt: skip
+    return RotorSystem(
+        mass=np.eye(4), stiffness=np.diag(np.repeat(held, 2)) if held else np.zeros((4, 4)),
+        damping=None if films else 0.05 * np.eye(4), nodes={"one": (0, 1), "other": (2, 3)},
+        bearings=tables, units="1", unbalance=[Unbalance(node="one", moment=1.0)], **parts,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("films", [False, True])
+def test_equal_discs_have_a_critical_speed_each(films):
+    """Four eigenvectors of each eigenvalue, forward and backward, in whatever mixture."""
+    found = synchronous_response(two_discs([1.0, 1.0], films=films), speed=[0.2, 2.0])
+    assert found.critical_speed.values == pytest.approx([math.sqrt(1.0 - 0.025**2)] * 2, rel=1e-12)
+    assert np.isfinite(found.peak_speed.values).sum() == 1
+
+
+def test_a_stator_beside_the_rotor_has_no_critical_speed():
+    """Unbalance does not move it: what its motions move the rotor is rounding."""
+    stator = Stator(mass=0.7, stiffness=1.5, damping=0.2)
+    touching = Contact(node="one", clearance=1.0, stiffness=2.0, stator=stator)
+    system = two_discs([0.5, 1.0], films=True)
+    coupled = np.kron([[1.3, -0.8], [-0.8, 1.1]], np.eye(2))
+    system = replace(system, stiffness=coupled, gyroscopic=np.kron(
+        np.diag([0.1, 0.2]), [[0.0, 1.0], [-1.0, 0.0]]))  # fmt: skip
+    alone = synchronous_response(system, speed=[0.2, 2.9])
+    beside = synchronous_response(system, contacts=[touching], speed=[0.2, 2.9])
+    assert alone.sizes["critical"] == 2
+    assert beside.critical_speed.values == pytest.approx(alone.critical_speed.values, rel=1e-12)

@@ -23,6 +23,7 @@ from scipy.optimize import brentq, minimize_scalar
 
 from rotor_ida.arrays import ComplexValues, Values
 from rotor_ida.closed_forms.crossings import film_pencil, film_speeds, pencil_motions
+from rotor_ida.closed_forms.linear_motions import STILL
 from rotor_ida.closed_forms.receptances import solved_motions
 from rotor_ida.model.assembly import Assembly
 
@@ -32,8 +33,9 @@ DRIVEN = 1e-6
 OVERDAMPED = 0.7
 # Eigenvalues below this part of the largest speed are free motions.
 FREE = 1e-4
-# Modes whose speeds differ by less than this part of them, with shapes that are parallel, are one.
-EQUAL, PARALLEL = 1e-7, 0.999
+# Modes whose speeds differ by less than this part of them are equally fast: one of them is new if
+# more than the other part of its shape is not in those of the others.
+EQUAL, OTHER = 1e-7, 0.05
 # A lobe is driven if its antinode moves at least this part of the largest one.
 LOBE = 0.3
 # Part of a peak at which its width is measured, and the relative tolerance of its place.
@@ -91,8 +93,9 @@ def critical_modes(assembly: Assembly, largest: float) -> list[Mode]:
             found = [each for each in found if abs(each.speed - speed) < EQUAL * speed]
         turning = _all_turning(assembly, found, largest, speed)
         for mode in sorted(turning, key=lambda each: each.speed):
-            if not modes or not _same(mode, modes[-1]):
+            if not _known(mode, modes):
                 modes.append(mode)
+    modes.sort(key=lambda each: each.speed)
     below = sum(each.speed <= largest for each in modes)
     return modes[: max(below, 1)]
 
@@ -109,6 +112,7 @@ def _driven_modes(assembly: Assembly, speed: float, largest: float) -> list[Mode
         kept = np.isfinite(values) & (values.imag > FREE * largest)
         kept &= np.abs(values.real) < OVERDAMPED * np.abs(values)
     kept &= driven > DRIVEN * (driven + other)
+    kept &= np.abs(moved).max(axis=(0, 1)) > STILL * np.linalg.norm(vectors[:size], axis=0)
     chosen = np.flatnonzero(kept)
     chosen = chosen[np.argsort(values.imag[chosen])]
     return [
@@ -195,15 +199,18 @@ def _speeds_of_films(assembly: Assembly, largest: float) -> list[float]:
     return film_speeds(assembly, first, last) if first < last else []
 
 
-def _same(one: Mode, other: Mode) -> bool:
-    """Return whether two modes are one whose motions along two axes are no circles.
+def _known(mode: Mode, modes: Sequence[Mode]) -> bool:
+    """Return whether a mode has the shape of others of its speed, or a mixture of their shapes.
 
-    Without gyroscopic moments a forward mode and a backward one have the same eigenvalue.
+    Without gyroscopic moments a forward mode and a backward one have the same eigenvalue, as have
+    modes that do not move each other's nodes. Any mixtures of them are eigenvectors.
     """
-    if one.speed - other.speed > EQUAL * one.speed:
+    near = [each.shape for each in modes if abs(each.speed - mode.speed) <= EQUAL * mode.speed]
+    if not near:
         return False
-    product = abs(np.vdot(one.shape, other.shape))
-    return bool(product > PARALLEL * np.linalg.norm(one.shape) * np.linalg.norm(other.shape))
+    basis = np.linalg.qr(np.column_stack(near))[0]
+    new = mode.shape - basis @ (basis.conj().T @ mode.shape)
+    return bool(np.linalg.norm(new) <= OTHER * np.linalg.norm(mode.shape))
 
 
 def antinodes(mode: Mode, order: Sequence[int]) -> list[tuple[int, float]]:

@@ -155,9 +155,11 @@ def clearance_report(
     *Bearings* with a table over the speed must have the continuous and the trip speed in it. "From
     rest" is from the lowest speed of the tables then, and nothing is sought above the highest.
 
-    *Touches.* Rubs are those of `synchronous_response`, of one contact or two at a time; for dry
-    whip see `rotor_ida.closed_forms.whirls.dry_whip`. Both need an axisymmetric rotor and stators;
-    otherwise the attribute ``not_exact`` says why they are left out.
+    *Touches.* Rubs are those of `synchronous_response`, of one contact or two at a time, at 41
+    continuous speeds, at as many from rest to the trip speed, about each critical speed, and then
+    ever closer to the hardest. One that is stable only between two of these speeds may be missed.
+    For dry whip see `rotor_ida.closed_forms.whirls.dry_whip`. Both need an axisymmetric rotor and
+    stators; otherwise the attribute ``not_exact`` says why they are left out.
 
     References
     ----------

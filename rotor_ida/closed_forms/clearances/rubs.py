@@ -17,10 +17,13 @@ from rotor_ida.closed_forms.whirls.synchronous import whirls_of_system
 from rotor_ida.errors import InputError
 from rotor_ida.model.assembly import assemble
 from rotor_ida.model.axisymmetric import forward_motions, no_circles
+from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.schema import STABILITY
 
 # Continuous speeds at which rubs are sought, and as many from rest to the trip speed.
 RUB_SPEEDS = 41
+# The cells beside the hardest rub are divided so often, at these parts: at last to 2e-8 of a cell.
+DIVISIONS, PARTS = 11, np.linspace(0.2, 0.8, 4)
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,6 +63,31 @@ def hardest_rubs(found: Sequence[xr.Dataset], count: int) -> Rubs:
     return Rubs(force, speed, stability)
 
 
+def _hardest(
+    systems: Sequence[RotorSystem], speeds: Values, found: Sequence[xr.Dataset], count: int
+) -> Rubs:
+    """Return the hardest rubs from the lowest to the highest of some speeds.
+
+    `found` are the whirls of each system at these speeds. A rub may be hardest in between, often at
+    the fold where it ends.
+    """
+    found = list(found)
+    rubs = hardest_rubs(found, count)
+    for _ in range(DIVISIONS):
+        best = np.searchsorted(speeds, np.unique(rubs.speed[np.isfinite(rubs.speed)]))
+        if not best.size:
+            break
+        cells = np.unique(np.clip([best - 1, best], 0, speeds.size - 2))
+        between = speeds[cells, np.newaxis] + np.outer(np.diff(speeds)[cells], PARTS)
+        closer = np.setdiff1d(between, speeds)
+        if not closer.size:
+            break
+        found += [whirls_of_system(system, closer) for system in systems]
+        speeds = np.union1d(speeds, closer)
+        rubs = hardest_rubs(found, count)
+    return rubs
+
+
 def touching_of(
     response: Response,
     modes: Sequence[Mode],
@@ -74,20 +102,25 @@ def touching_of(
                              np.linspace(problem.low, problem.high, RUB_SPEEDS)])  # fmt: skip
     speeds = np.unique(speeds[(speeds > 0.0) & (speeds >= first) & (speeds <= problem.trip)])
     try:  # what is not axisymmetric is refused
-        found = []
-        for case, scale in zip(cases, scales.tolist(), strict=True):
-            applied = [replace(each, moment=scale * each.moment) for each in case]
-            system = replace(assembly.system, unbalance=applied)
-            found.append(whirls_of_system(system, speeds))
+        systems = [
+            replace(
+                assembly.system,
+                unbalance=[replace(each, moment=scale * each.moment) for each in case],
+            )
+            for case, scale in zip(cases, scales.tolist(), strict=True)
+        ]
+        found = [whirls_of_system(system, speeds) for system in systems]
     except InputError as error:
         none = hardest_rubs([], count)
         return Touching(none, none, [None] * count, no_circles(error))
     motions = forward_motions(assemble(assembly.system.at(problem.high)))
     inside = (speeds >= problem.low) & (speeds <= problem.high)
-    running = hardest_rubs([whirls.isel(speed=inside) for whirls in found], count)
+    running = _hardest(
+        systems, speeds[inside], [whirls.isel(speed=inside) for whirls in found], count
+    )
     whips = [_first_stable(dry_whips(motions, number, each, problem.high))
              for number, each in enumerate(assembly.contacts)]  # fmt: skip
-    return Touching(running, hardest_rubs(found, count), whips)
+    return Touching(running, _hardest(systems, speeds, found, count), whips)
 
 
 def _first_stable(whips: Sequence[Whip]) -> Whip | None:
