@@ -60,7 +60,7 @@ from rotor_ida.closed_forms.rotor_columns import RotorColumns
 # Coefficients by powers of the speed, the lowest first.
 Equation = tuple[Polynomial, ...]
 # Relative tolerance of a speed, and of one of which a small frequency follows as a difference.
-_SAME, _SAME_FREQUENCY = Fraction(1, 10**17), Fraction(1, 10**40)
+_SAME, _SAME_FREQUENCY = Fraction(1, 10**17), Fraction(1, 10**80)
 # The terms of an equation at a root of it are so many times larger than their sum.
 _SOLVES = 10**15
 # Part of the clearance from which on a fold is no first touch in a linear contact.
@@ -385,9 +385,9 @@ def _crossings(
 
 
 def _square_root(value: Fraction) -> Fraction:
-    """Return a square root to about 160 bits."""
+    """Return a square root to about 300 bits."""
     above, below = value.numerator, value.denominator
-    places = 160 - (above.bit_length() - below.bit_length()) // 2
+    places = 300 - (above.bit_length() - below.bit_length()) // 2
     wide = (above << 2 * places) // below if places > 0 else (above >> -2 * places) // below
     return Fraction(math.isqrt(wide)) / Fraction(2) ** places
 

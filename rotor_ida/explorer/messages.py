@@ -425,7 +425,8 @@ def named(path: Path, name: str | None = None) -> Iterator[None]:
     except InputError as error:
         name = name or path.name
         instead = {shown(path): shown(name), str(path): name, path.name: name}
-        told = re.sub("|".join(map(re.escape, instead)), lambda seen: instead[seen[0]], str(error))
+        words = "|".join(map(re.escape, instead))
+        told = re.sub(rf"(?<!\w)({words})(?!\w)", lambda seen: instead[seen[0]], str(error))
         raise InputError(told.replace(f"{path.parent}{os.sep}", "")) from error
 
 

@@ -448,3 +448,16 @@ def test_a_stator_beside_the_rotor_has_no_critical_speed():
     beside = synchronous_response(system, contacts=[touching], speed=[0.2, 2.9])
     assert alone.sizes["critical"] == 2
     assert beside.critical_speed.values == pytest.approx(alone.critical_speed.values, rel=1e-12)
+
+
+def test_equal_contacts_whose_rubs_are_hard_to_separate_are_reported():
+    """Their slopes are parallel but for rounding: a matrix that no library inverts."""
+    contacts = [
+        Contact(node=node, clearance=1e-5, stiffness=1e7, exponent=1.5, friction=0.02, radius=0.02)
+        for node in ("2", "3")
+    ]
+    system = replace(beam(), unbalance=[], contacts=contacts)
+    report = clearance_report(
+        system, speed=(300.0, 700.0, 750.0), vibration_limit=1e-3, multiple=20
+    )
+    assert (report.rub_force > 0.0).any()

@@ -38,6 +38,8 @@ _ROUNDED = 64.0 * ROUNDING
 # Values in parts of their rounding that cannot be told from 0.
 _NOTHING = 8.0
 _MOST_STEPS = 30
+# A determinant this small beside its two products has no digits.
+_REGULAR = 64.0 * ROUNDING
 # A bound of v beyond this is not used, and contacts with a smaller determinant move together.
 _FARTHEST, _TOGETHER = 1e12, 1e-9
 # Newton's steps on the equations of the directions, which are rounded less than the polynomials.
@@ -270,10 +272,12 @@ def _preconditioned(bernstein: Values, rounding: Values) -> tuple[Flags, Flags]:
     each keeps its own slope larger than the other, both vanish at most once.
     """
     middle = np.stack([_slope(bernstein, axis).mean(axis=(2, 3)) for axis in (0, 1)], axis=2)
-    determinant = middle[:, 0, 0] * middle[:, 1, 1] - middle[:, 0, 1] * middle[:, 1, 0]
-    regular = np.abs(determinant) > 0.0
+    straight, across = middle[:, 0, 0] * middle[:, 1, 1], middle[:, 0, 1] * middle[:, 1, 0]
+    determinant = straight - across
+    regular = np.abs(determinant) > _REGULAR * (np.abs(straight) + np.abs(across))
     inverse = np.zeros_like(middle)
-    inverse[regular] = np.linalg.inv(middle[regular])
+    adjugate = middle[regular][:, ::-1, ::-1].transpose(0, 2, 1) * [[1.0, -1.0], [-1.0, 1.0]]
+    inverse[regular] = adjugate / determinant[regular, np.newaxis, np.newaxis]
     combined = np.einsum("bgf,bfij->bgij", inverse, bernstein)
     spread = np.einsum("bgf,bf->bg", np.abs(inverse), rounding)
     possible = _may_vanish(combined, spread) | ~regular
