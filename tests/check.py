@@ -58,7 +58,7 @@ def finished(arguments):
 
 
 def begun(checks, at_once):
-    """Start checks, so many at once."""
+    """Start checks, of which at most `at_once` run at the same time."""
     pool = ThreadPoolExecutor(at_once)
     return {name: pool.submit(finished, arguments) for name, arguments in checks.items()}
 

@@ -61,7 +61,7 @@ from rotor_ida.closed_forms.rotor_columns import RotorColumns
 Equation = tuple[Polynomial, ...]
 # Relative tolerance of a speed, and of one of which a small frequency follows as a difference.
 _SAME, _SAME_FREQUENCY = Fraction(1, 10**17), Fraction(1, 10**80)
-# The terms of an equation at a root of it are so many times larger than their sum.
+# At a root of an equation its terms cancel to less than one part in this many.
 _SOLVES = 10**15
 # Part of the clearance from which on a fold is no first touch in a linear contact.
 AT_TOUCH = 1e-13

@@ -40,7 +40,7 @@ SLOW_INSTEAD = (
 # Radians of spin, decay, shaft and contact that Taylor series cover in 5 to 25 ms. CVODE takes some
 # ten times as long, and a sample less than a radian.
 SOON_PASSED, OF_CVODE = 2e4, 10.0
-# Contact damping makes short steps: it counts as so many times the speed.
+# A contact with damping needs short steps: one unit of it costs as much as this spin speed.
 STIFFENS = 10.0
 
 # For larger starts the tolerances lose their meaning.

@@ -73,7 +73,7 @@ def test_a_far_one_of_a_clearance_hardly_below_one_is_as_exact(exponent, delta0)
     [(1e-3, 0.2, 1e-5, 0.0, 1.8), (8000.0, 0.0, 6e-6, 4e-6, 0.6), (1.4, 257.0, 0.4, 0.0, 1.7)],
 )
 def test_a_small_frequency_has_all_its_digits(delta0, kappa, mu, zeta, c):
-    """With 60 digits, whirl, friction and the linear motions beside it in a linear contact."""
+    """Compare with Newton's method in 60 digits, on a linear contact with friction."""
     d, kappa_, mu_, z, c_ = map(mpmath.mpf, (delta0, kappa, mu, zeta, c))
 
     def remainders(A, w, frequency):

@@ -220,7 +220,7 @@ def test_displacement_and_velocity_move_by_the_equation(model, felt):
 
 @of_cases
 def test_a_neighbour_is_there_and_accelerated_so_to_first_order(model, mode, states):
-    """Central differences, in the basis of the one beside it."""
+    """Compare with central differences, in the basis of the neighbouring motion."""
     for state, rotor in states(model, 10):
         z, w, down, e = centre(mode, state, rotor)
         apart = np.random.default_rng(2).normal(size=4)

@@ -54,7 +54,7 @@ def test_the_line_is_found_and_told_also_in_noise(lines, order, words):
 
 
 def test_a_line_beside_minus_1x_makes_no_ellipse():
-    """Its flank reaches the orders that are not told apart from -1X, where nothing is."""
+    """The flank of a strong line at -1.065X covers -1X, where there is no line."""
     found = rub_signs(record(turns=100, xm1_06506=0.06, x0_312=2.0))
     assert found["backward_whirl_amplitude"].item() < 1e-4
     assert "ellipse" not in found.attrs["sentence"]

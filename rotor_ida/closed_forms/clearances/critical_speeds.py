@@ -149,7 +149,7 @@ def _reach(pole: Mode) -> float:
 def _turning(assembly: Assembly, pole: Mode, speed: float) -> Mode:
     """Return the mode near a pole whose eigenvalue turns with the rotor, by Newton's method.
 
-    Where none is nearer than the pole decays, it is the pole. Films have the coefficients of
+    Where none is in the pole's reach, it is the pole. Films have the coefficients of
     `speed`.
     """
     stiffness, damping, mass = (

@@ -34,6 +34,17 @@ class Rubs:
     speed: Values
     stability: npt.NDArray[np.int8]
 
+    def or_harder(self, other: Rubs) -> Rubs:
+        """Return the harder rub of each contact in these and others; a stable one comes first."""
+        stable, others = (each.stability == STABILITY["stable"] for each in (self, other))
+        is_harder = np.isnan(self.force) | (other.force > self.force)
+        taken = np.where(stable == others, is_harder, others) & ~np.isnan(other.force)
+        return Rubs(
+            np.where(taken, other.force, self.force),
+            np.where(taken, other.speed, self.speed),
+            np.where(taken, other.stability, self.stability),
+        )
+
 
 @dataclass(frozen=True, slots=True)
 class Touching:
@@ -71,7 +82,6 @@ def _hardest(
     `found` are the whirls of each system at these speeds. A rub may be hardest in between, often at
     the fold where it ends.
     """
-    found = list(found)
     rubs = hardest_rubs(found, count)
     for _ in range(DIVISIONS):
         best = np.searchsorted(speeds, np.unique(rubs.speed[np.isfinite(rubs.speed)]))
@@ -82,9 +92,9 @@ def _hardest(
         closer = np.setdiff1d(between, speeds)
         if not closer.size:
             break
-        found += [whirls_of_system(system, closer) for system in systems]
+        beside = [whirls_of_system(system, closer) for system in systems]
+        rubs = rubs.or_harder(hardest_rubs(beside, count))
         speeds = np.union1d(speeds, closer)
-        rubs = hardest_rubs(found, count)
     return rubs
 
 
